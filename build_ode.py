@@ -1,0 +1,22 @@
+"""Builds the C extension: reads the declarations in osgode/native/, compiles core.c, links Debian's libode."""
+
+from pathlib import Path
+
+from cffi import FFI
+
+NATIVE = Path("osgode") / "native"
+
+ffi = FFI()
+ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())
+ffi.set_source(
+    "osgode.native._core",
+    '#include <ode/ode.h>\n#include "core.h"\n',
+    sources=[str(NATIVE / "core.c")],
+    include_dirs=[str(NATIVE)],
+    depends=[str(NATIVE / "core.h"), str(NATIVE / "ode.cdef")],
+    libraries=["ode", "m", "dl", "pthread"],
+    extra_compile_args=["-O2", "-std=gnu11", "-Wall"],
+)
+
+if __name__ == "__main__":
+    ffi.compile(verbose=True)

@@ -1,0 +1,152 @@
+/* The C core of osgode as both the C compiler and cffi read it, so no preprocessor here. */
+
+/* What calls return. */
+enum oo_status {
+    OO_OK = 0,
+    OO_NO_MEMORY = -1,  /* nothing was done */
+    OO_ASSERT = -2,     /* ODE refused; oo_last_error() says why */
+    OO_BAD_BODY = -3,   /* world.bad_body is not finite or out of bounds; nothing was done */
+    OO_BROKEN = -4      /* an ODE assert inside a collide left this World unusable */
+};
+
+enum oo_geom_kind { OO_BOX, OO_SPHERE, OO_CAPSULE, OO_CYLINDER, OO_PLANE, OO_TRIMESH };
+enum oo_space_kind { OO_SIMPLE_SPACE, OO_HASH_SPACE, OO_QUADTREE_SPACE, OO_SAP_SPACE };
+enum oo_joint_kind { OO_BALL, OO_HINGE, OO_SLIDER, OO_FIXED };
+
+enum oo_geom_flags {
+    OO_ALIVE = 1,
+    OO_LISTENED = 2,    /* somebody in Python wants its touches */
+    OO_IS_SPACE = 4,
+    OO_IS_MESH = 8,     /* collided under a process-wide lock: OPCODE's caches are global */
+    OO_IS_CYLINDER = 16
+};
+
+enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END };
+
+typedef struct oo_body {
+    dBodyID id;
+    double com[3];      /* centre of mass (ODE's reference point) in the frame that the author placed */
+} oo_body;
+
+typedef struct oo_geom {
+    dGeomID id;
+    unsigned int category, collide;
+    unsigned int material;          /* 0 to 15 */
+    unsigned int surface;           /* own surface, an index above the pair table; 0: none */
+    unsigned int flags;
+} oo_geom;
+
+typedef struct oo_contact {
+    dContactGeom geom;              /* first, so that dCollide writes rows in place */
+    unsigned int slot1, slot2;      /* into world.geoms */
+    unsigned int surface;           /* into world.surfaces */
+    int feedback;                   /* into world.feedback, or -1 */
+    double force[3];                /* on the body of geom 1, newtons; 0 if nobody listens */
+} oo_contact;
+
+typedef struct oo_touch {
+    unsigned int slot1, slot2;      /* slot1 < slot2 */
+    unsigned int first, count;      /* its contact rows; count 0 at the end of a touch */
+    int state;                      /* enum oo_touch_state */
+    double impulse;                 /* sum of contact force times step size, newton seconds */
+} oo_touch;
+
+typedef struct oo_pair {
+    dSpaceID space, other;          /* other NULL: the pairs inside space */
+} oo_pair;
+
+typedef struct oo_mesh oo_mesh;
+
+typedef struct oo_world {
+    dWorldID id;
+    double step_size;
+    int exact;                      /* dWorldStep instead of dWorldQuickStep */
+    unsigned int max_contacts;      /* per pair of geoms, 1 to 65535 */
+    unsigned long seed;             /* of the solver's random row order */
+    unsigned long long steps;
+    int broken;
+    int out_of_memory;              /* while colliding */
+    int bad_body;                   /* index, or -1 */
+
+    oo_body *bodies;                /* dense: the last takes the place of one that is freed */
+    unsigned int body_count, body_capacity;
+    double *poses, *previous;       /* Python's tables, table_capacity rows of x y z qw qx qy qz */
+    unsigned int table_capacity;
+
+    oo_geom *geoms;                 /* by slot; spaces too */
+    unsigned int geom_count, geom_capacity;
+    unsigned int *free_slots, *retired_slots;
+    unsigned int free_count, retired_count, retired_ripe, slot_capacity;
+
+    oo_pair *pairs;
+    unsigned int pair_count;
+    dSurfaceParameters *surfaces;   /* 16 x 16 for pairs of materials, then own surfaces of geoms */
+    unsigned int surface_count;
+
+    oo_contact *contacts;
+    unsigned int contact_count, contact_capacity;
+    dJointFeedback *feedback;
+    unsigned int feedback_count, feedback_capacity;
+
+    oo_touch *touching, *touched;   /* of this step and of the last one, sorted by slots */
+    unsigned int touching_count, touching_capacity, touched_count, touched_capacity;
+    oo_touch *events;
+    unsigned int event_count, event_capacity;
+
+    oo_mesh *meshes;
+    unsigned int joint_count;
+    dJointGroupID contact_group;
+    dThreadingImplementationID threading;
+} oo_world;
+
+typedef struct oo_live { long worlds, bodies, geoms, spaces, joints, meshes, blocks, bytes; } oo_live;
+
+/* Once, at import. Returns 0, or OO_ASSERT if libode can't be used. */
+int oo_init(void);
+/* 1 if libode draws its random numbers from the core, 0 if a lock has to serialise the steps of all Worlds. */
+int oo_random_is_local(void);
+/* What is alive in the whole process. */
+oo_live oo_count_live(void);
+/* The text of the last ODE assert of this thread. */
+const char *oo_last_error(void);
+/* The oldest message that ODE wrote and nobody has taken yet: 1 and the text, or 0. */
+int oo_take_message(char *text, unsigned int size);
+
+oo_world *oo_world_new(void);
+void oo_world_free(oo_world *);
+int oo_set_pairs(oo_world *, const oo_pair *, unsigned int count);
+/* Set one surface, growing the table as needed. */
+int oo_set_surface(oo_world *, unsigned int index, const dSurfaceParameters *);
+
+/* An index into world.bodies, or a status below 0. The caller keeps table_capacity above body_count. */
+int oo_body_new(oo_world *);
+/* The last body moves to the freed index, in the tables too. */
+void oo_body_free(oo_world *, unsigned int index);
+/* Position, quaternion and rotation matrix exactly as ODE holds them (3 + 4 + 12 doubles); its own setters round. */
+void oo_body_read_raw(const oo_world *, unsigned int index, double raw[19]);
+void oo_body_write_raw(oo_world *, unsigned int index, const double raw[19]);
+int oo_body_set_mass(oo_world *, unsigned int index, double mass, const double inertia[9]);
+
+/* A slot of world.geoms, or a status below 0. */
+int oo_geom_new(oo_world *, int kind, const double *dimensions, oo_mesh *);
+int oo_space_new(oo_world *, int kind, const double *arguments);
+void oo_geom_free(oo_world *, unsigned int slot);
+/* Wake the bodies that touched a geom in the last step: it is about to go, or has been put elsewhere. */
+void oo_wake_touching(oo_world *, unsigned int slot);
+void oo_geom_set_bits(oo_world *, unsigned int slot, unsigned int category, unsigned int collide, unsigned int material);
+
+/* NULL if ODE refused. Vertices and triangles are copied. */
+oo_mesh *oo_mesh_new(oo_world *, const double *vertices, unsigned int vertex_count, const unsigned int *triangles,
+                     unsigned int triangle_count);
+void oo_mesh_free(oo_world *, oo_mesh *);
+
+dJointID oo_joint_new(oo_world *, int kind);
+void oo_joint_free(oo_world *, dJointID);
+
+/* Up to count whole steps; ends early after a step with touch events. The number of steps done, or a status below 0
+   (then the step that failed was not done, or left no contact joints behind). */
+int oo_run(oo_world *, unsigned int count);
+/* The pose of one body into both tables: it was put there, so there is nothing to interpolate. */
+void oo_body_snap(oo_world *, unsigned int index);
+/* Linear velocity of the frame, angular velocity: 6 doubles a body. */
+void oo_export_velocities(const oo_world *, double *out);
