@@ -1,0 +1,1 @@
+"""The scene graph without any renderer and without any physics."""

@@ -1,0 +1,159 @@
+"""The cull traversal: from a scene graph and a camera to the description of one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from osgode.errors import TreeError
+from osgode.graph.draw_list import Anchor, DrawList, Instance, frustum_planes, visible_sphere
+from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.leaf import Switch
+from osgode.graph.node import Node
+from osgode.graph.transforms import PoseSource, Transform
+from osgode.graph.visitors import Visitor
+from osgode.maths import FloatArray
+
+SHADOW_REACH = 90.0
+"""Metres of depth up to which shadows are wanted: as far as the renderer's coarser shadow map reaches."""
+
+
+class _Place(NamedTuple):
+    """The axes that the walk is in: ``matrix`` since the row of an anchor's table, or since the root."""
+
+    matrix: FloatArray | None = None
+    anchor: int | None = None
+    row: int = 0
+
+
+_ROOT = _Place()
+
+
+class CullVisitor(Visitor):
+    """Turns what is below a root into Frames.
+
+    The walk through the nodes writes everything visible into a flat list, and is done again only when the tree
+    below the root has changed. For each picture the list is moved by the poses in bulk and culled in bulk: no
+    Python runs per node. Bounding spheres are tested against the frustum, so nothing that can be seen
+    is left out; a few things close outside of it stay in.
+
+    A subclass may override ``visit_<kind>`` to leave out what is below some nodes.
+
+    Args:
+        root: what is drawn, in whose axes the camera is given; held by the visitor.
+        shadow_reach: metres of depth up to which shadows are wanted; what can throw none there is no caster.
+    """
+
+    def __init__(self, root: Node, *, shadow_reach: float = SHADOW_REACH) -> None:
+        super().__init__()
+        self.root = root
+        self.shadow_reach = shadow_reach
+        self._revision = -1
+        self._list = DrawList((), ())
+        self._place = _ROOT
+        self._instances: list[Instance] = []
+        self._anchors: list[Anchor] = []
+        self._anchor_of: dict[int, int] = {}
+
+    def cull(
+        self,
+        view: View,
+        size: tuple[int, int],
+        interpolation: float = 1.0,
+        *,
+        sun: Sun | None = None,
+        sky: Sky | None = None,
+        overlay: Iterable[Rectangle | Text] = (),
+    ) -> Frame:
+        """The picture that ``view`` takes of everything below the root.
+
+        Args:
+            view: the camera, in the axes of the root.
+            size: of the picture, pixels (width, height).
+            interpolation: 1 for the poses after the last step, 0 for those before it.
+            sun: the light; the default Sun if not given.
+            sky: the default Sky if not given.
+            overlay: what is drawn over the picture, in order.
+
+        Raises:
+            TreeError: if moving poses stand below other moving poses (a World below a Body of another World).
+        """
+        if self.root._revision != self._revision:
+            self._flatten()
+        sun = Sun() if sun is None else sun
+        shown = self._list
+        shown.move(interpolation)
+        aspect = max(size[0], 1) / max(size[1], 1)  # a minimised window may have no height
+        inside = shown.inside(frustum_planes(view, aspect))
+        return Frame(
+            view=view,
+            size=size,
+            opaque=shown.opaque_bins(inside),
+            transparent=shown.transparent_bins(inside, view.pose.position),
+            casters=shown.caster_bins(sun, *visible_sphere(view, aspect, self.shadow_reach)),
+            overlay=list(overlay),
+            sun=sun,
+            sky=Sky() if sky is None else sky,
+        )
+
+    # -- the walk
+
+    def visit_node(self, node: Node) -> None:
+        """List what the node shows and go on, unless it is hidden."""
+        if not node.visible:
+            return
+        place = self._place
+        if hasattr(node, "matrices"):  # a PoseSource: poses below it are in the axes that the walk is in now
+            self._enter(node)
+        for shown in node.drawables():
+            matrix = _product(place.matrix, shown.matrix)
+            self._instances.append(Instance(shown.mesh, shown.appearance, matrix, place.anchor, place.row))
+        self.traverse(node)
+
+    def visit_transform(self, node: Transform) -> None:
+        """Go on in the node's axes."""
+        outer = self._place
+        posed = node.pose_row()
+        if posed is not None:
+            source, row = posed
+            self._place = _Place(None, self._anchor(source), row)
+        elif node.absolute:
+            self._place = _Place(node.local_matrix())
+        else:
+            self._place = outer._replace(matrix=_product(outer.matrix, node.local_matrix()))
+        self.visit_node(node)
+        self._place = outer
+
+    def visit_switch(self, node: Switch) -> None:
+        """Go on if the switch is on."""
+        if node.on:
+            self.visit_node(node)
+
+    def _flatten(self) -> None:
+        try:
+            self.visit(self.root)
+            self._list = DrawList(self._instances, self._anchors)
+            self._revision = self.root._revision
+        finally:
+            self._place = _ROOT
+            self._instances, self._anchors, self._anchor_of = [], [], {}
+
+    def _enter(self, source: PoseSource) -> None:
+        place = self._place
+        if place.anchor is not None:
+            raise TreeError(f"{source!r} can't be drawn: it stands below a transform that is moved by poses itself")
+        self._anchor_of[id(source)] = len(self._anchors)
+        self._anchors.append(Anchor(source, place.matrix))
+
+    def _anchor(self, source: PoseSource) -> int:
+        if id(source) not in self._anchor_of:  # not a node on the way here: its poses are in the root's axes
+            self._anchor_of[id(source)] = len(self._anchors)
+            self._anchors.append(Anchor(source, None))
+        return self._anchor_of[id(source)]
+
+
+def _product(outer: FloatArray | None, inner: FloatArray | None) -> FloatArray | None:
+    """``outer @ inner``, None standing for the identity on both sides."""
+    if outer is None or inner is None:
+        return inner if outer is None else outer
+    return outer @ inner

@@ -1,0 +1,208 @@
+"""What a scene graph shows, as flat arrays: made when the tree changes, moved and culled in bulk for each picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from osgode.graph.appearance import Appearance
+from osgode.graph.frame import Bin, Sun, View
+from osgode.graph.mesh import Mesh
+from osgode.graph.transforms import PoseSource
+from osgode.maths import FloatArray, Vec3
+
+Selection = npt.NDArray[np.intp]
+_IDENTITY = np.identity(4)
+
+
+class Anchor(NamedTuple):
+    """A table of poses as one way through the graph reaches it.
+
+    ``matrix`` is that from the table's axes to the root, None for the identity.
+    """
+
+    source: PoseSource
+    matrix: FloatArray | None
+
+
+class Instance(NamedTuple):
+    """One drawable on one way from the root: ``v_root = anchor.matrix @ pose @ matrix @ v_mesh``.
+
+    ``anchor`` is an index into the list of anchors and ``row`` one into its table; where ``anchor`` is None nothing
+    moves, and ``v_root = matrix @ v_mesh``. ``matrix`` is None for the identity.
+    """
+
+    mesh: Mesh
+    appearance: Appearance
+    matrix: FloatArray | None
+    anchor: int | None
+    row: int
+
+
+class _Movers(NamedTuple):
+    """The instances that move with one anchor.
+
+    ``positions`` are those in the list and ``rows`` those of the table; ``inner`` is (n, 4, 5): each instance's
+    matrix, and as a fifth column the centre of its mesh, to be moved in the same product.
+    """
+
+    anchor: Anchor
+    positions: Selection
+    rows: Selection
+    inner: FloatArray
+
+
+class DrawList:
+    """Instances in an order in which those that can be drawn together stand together.
+
+    First come the opaque ones that cast shadows, then the other opaque ones (unlit: what shines throws no shadow),
+    then the transparent ones.
+
+    Args:
+        instances: in any order, which is kept among equals.
+        anchors: what the instances' ``anchor`` refers to.
+    """
+
+    def __init__(self, instances: Sequence[Instance], anchors: Sequence[Anchor]) -> None:
+        self._keys: list[tuple[Mesh, Appearance]] = []
+        ordered, self._bin_of = self._sorted(instances)
+        count = len(ordered)
+        self._starts: Selection = np.searchsorted(self._bin_of, np.arange(len(self._keys) + 1))
+        looks = [self._keys[k][1] for k in self._bin_of]
+        self._casters = sum(not (look.transparent or look.unlit) for look in looks)
+        self._opaque = sum(not look.transparent for look in looks)
+
+        inner = np.empty((count, 4, 5))
+        if count:
+            inner[:, :, :4] = [_IDENTITY if each.matrix is None else each.matrix for each in ordered]
+            centres = np.array([(*each.mesh.centre, 1.0) for each in ordered])
+            inner[:, :, 4] = np.einsum("nij,nj->ni", inner[:, :, :4], centres)
+        self._radii = np.array([each.mesh.radius for each in ordered]) * largest_scales(inner[:, :3, :3])
+        self._matrices = inner[:, :, :4].astype(np.float32)
+        self._centres = inner[:, :3, 4].copy()
+
+        self._movers: list[_Movers] = []
+        for k, anchor in enumerate(anchors):
+            positions = np.array([i for i, each in enumerate(ordered) if each.anchor == k], dtype=np.intp)
+            if len(positions):
+                rows = np.array([ordered[i].row for i in positions], dtype=np.intp)
+                self._movers.append(_Movers(anchor, positions, rows, inner[positions]))
+                if anchor.matrix is not None:
+                    self._radii[positions] *= largest_scales(anchor.matrix[None, :3, :3])
+
+    def __len__(self) -> int:
+        return len(self._bin_of)
+
+    def _sorted(self, instances: Sequence[Instance]) -> tuple[list[Instance], Selection]:
+        """The instances in drawing order and the number of each one's bin; fills ``_keys``."""
+        by_look: dict[tuple[int, Appearance], list[Instance]] = {}
+        # Hashing an Appearance is slow, and most instances share one: look it up by identity first.
+        by_identity: dict[tuple[int, int], list[Instance]] = {}
+        for each in instances:
+            identity = (id(each.mesh), id(each.appearance))
+            same = by_identity.get(identity)
+            if same is None:
+                same = by_identity[identity] = by_look.setdefault((id(each.mesh), each.appearance), [])
+            same.append(each)
+        bins = sorted(by_look.values(), key=lambda same: (same[0].appearance.transparent, same[0].appearance.unlit))
+        self._keys = [(same[0].mesh, same[0].appearance) for same in bins]
+        numbers = np.repeat(np.arange(len(bins)), [len(same) for same in bins])
+        return [each for same in bins for each in same], numbers
+
+    def move(self, interpolation: float) -> None:
+        """Take the poses of everything that moves; ``interpolation`` as in `PoseSource.matrices`."""
+        tables: dict[int, FloatArray] = {}
+        for anchor, positions, rows, inner in self._movers:
+            table = tables.get(id(anchor.source))
+            if table is None:
+                table = tables[id(anchor.source)] = anchor.source.matrices(interpolation)
+            moved = table.take(rows, axis=0) @ inner
+            if anchor.matrix is not None:
+                moved = anchor.matrix @ moved
+            self._matrices[positions] = moved[:, :, :4]
+            self._centres[positions] = moved[:, :3, 4]
+
+    def inside(self, planes: FloatArray) -> npt.NDArray[np.bool_]:
+        """Which bounding spheres reach to the inner side of every plane, (k, 4) as of `frustum_planes`."""
+        distances = planes[:, :3] @ self._centres.T
+        distances += planes[:, 3:]
+        return np.asarray(distances.min(axis=0) >= -self._radii)
+
+    def opaque_bins(self, inside: npt.NDArray[np.bool_]) -> list[Bin]:
+        """The opaque instances among those marked."""
+        return self._bins(np.flatnonzero(inside[: self._opaque]))
+
+    def transparent_bins(self, inside: npt.NDArray[np.bool_], eye: Vec3) -> list[Bin]:
+        """The transparent instances among those marked, far to near, neighbours of one kind in one Bin."""
+        if self._opaque == len(self):
+            return []
+        chosen = np.flatnonzero(inside[self._opaque :]) + self._opaque
+        distances = ((self._centres[chosen] - eye) ** 2).sum(axis=1)
+        chosen = chosen[np.argsort(-distances, kind="stable")]
+        kinds = self._bin_of[chosen]
+        borders = np.flatnonzero(np.diff(kinds, prepend=-1, append=-1)).tolist()
+        matrices = self._matrices[chosen]
+        bins = []
+        for start, end in pairwise(borders):
+            mesh, look = self._keys[kinds[start]]
+            bins.append(Bin(mesh, look, matrices[start:end]))
+        return bins
+
+    def caster_bins(self, sun: Sun, centre: Vec3, radius: float) -> list[Bin]:
+        """The instances whose shadow can fall into the sphere, wherever they are themselves."""
+        if not sun.shadows:
+            return []
+        count = self._casters
+        offsets = self._centres[:count] - centre
+        along = offsets @ np.array(sun.direction.normalized())
+        limits = self._radii[:count] + radius
+        # Seen along the light, the two spheres must overlap, and the caster must not lie behind.
+        aside = np.einsum("ni,ni->n", offsets, offsets) - along * along
+        return self._bins(np.flatnonzero((aside <= limits * limits) & (along <= limits)))
+
+    def _bins(self, chosen: Selection) -> list[Bin]:
+        """The instances at the given positions, which must ascend, one Bin per kind."""
+        matrices = self._matrices.take(chosen, axis=0)
+        borders = np.searchsorted(chosen, self._starts).tolist()
+        return [
+            Bin(mesh, look, matrices[start:end])
+            for (mesh, look), (start, end) in zip(self._keys, pairwise(borders), strict=True)
+            if start < end
+        ]
+
+
+def largest_scales(linear: FloatArray) -> FloatArray:
+    """By how much each 3x3 matrix stretches lengths at the most: (n, 3, 3) gives (n,).
+
+    Exact where the columns are perpendicular (a rotation of an uneven scale), else up to 1.32 times too large: the
+    greatest row sum of ``A.T @ A`` is at least its greatest eigenvalue, the square of the stretch (Gershgorin), and
+    at most sqrt(3) times that.
+    """
+    gram = np.abs(np.einsum("nki,nkj->nij", linear, linear))
+    return np.asarray(np.sqrt(gram.sum(axis=2).max(axis=1, initial=0.0)))
+
+
+def frustum_planes(view: View, aspect: float) -> FloatArray:
+    """The six planes about what a camera sees: (6, 4) with ``plane . (x, y, z, 1)`` metres inwards of each.
+
+    The rows of the clip matrix combine to them: a point is inside where ``-w <= x, y, z <= w``
+    (G. Gribb and K. Hartmann, "Fast Extraction of Viewing Frustum Planes", 2001).
+    """
+    clip = view.projection_matrix(aspect) @ view.view_matrix()
+    planes = np.concatenate([clip[3] + clip[:3], clip[3] - clip[:3]])
+    return np.asarray(planes / np.sqrt((planes[:, :3] ** 2).sum(axis=1, keepdims=True)))
+
+
+def visible_sphere(view: View, aspect: float, distance: float) -> tuple[Vec3, float]:
+    """The smallest sphere about what a camera sees up to ``distance`` metres of depth: its centre and its radius."""
+    distance = min(distance, view.far)
+    spread = math.tan(view.field_of_view / 2) * math.hypot(1.0, aspect)
+    # Through the eye and the far corners; where the view is so wide that this lies past them, about the far side alone.
+    ahead = min(distance * (1.0 + spread * spread) / 2, distance)
+    radius = max(ahead, spread * distance)
+    return view.pose.transform((0.0, 0.0, -ahead)), radius

@@ -1,0 +1,139 @@
+"""The description of one picture: plain data that any drawer can read.
+
+The scene graph makes it, `osgode.render` draws it. Nodes hold nothing of a renderer, and a test can
+look at a Frame instead of at pixels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from osgode.graph.appearance import Appearance, Texture
+from osgode.graph.mesh import Mesh
+from osgode.maths import Float32Array, FloatArray, Pose, Vec3
+
+
+@dataclass(frozen=True)
+class View:
+    """Where the picture is taken from, and how.
+
+    Args:
+        pose: of the camera, which looks along its own -Z with Y up.
+        field_of_view: vertical, radians.
+        near, far: distances of the clipping planes, metres.
+    """
+
+    pose: Pose = Pose()
+    field_of_view: float = 1.0
+    near: float = 0.1
+    far: float = 1000.0
+
+    def view_matrix(self) -> FloatArray:
+        """The 4x4 matrix from world to camera axes."""
+        return self.pose.inverse().matrix()
+
+    def projection_matrix(self, aspect: float) -> FloatArray:
+        """The 4x4 OpenGL perspective matrix (depth -1 to 1) for a picture ``aspect`` times as wide as high."""
+        f = 1.0 / np.tan(self.field_of_view / 2)
+        n, r = self.near, self.far
+        out = np.zeros((4, 4))
+        out[0, 0] = f / aspect
+        out[1, 1] = f
+        out[2, 2] = (r + n) / (n - r)
+        out[2, 3] = 2 * r * n / (n - r)
+        out[3, 2] = -1.0
+        return out
+
+
+@dataclass(frozen=True)
+class Sun:
+    """Light from far away, which casts shadows.
+
+    Args:
+        direction: in which the light travels.
+        colour: red, green, blue; may be above 1.
+        ambient: the light that comes from everywhere, red, green, blue.
+    """
+
+    direction: Vec3 = Vec3(-0.45, -0.8, -0.4)
+    colour: tuple[float, float, float] = (1.0, 0.96, 0.88)
+    ambient: tuple[float, float, float] = (0.38, 0.42, 0.5)
+    shadows: bool = True
+
+
+@dataclass(frozen=True)
+class Sky:
+    """What is seen where nothing is: a gradient from the horizon to the zenith, and the haze before it.
+
+    Args:
+        haze: distance in metres at which things have almost taken the horizon's colour; None for clear air.
+    """
+
+    zenith: tuple[float, float, float] = (0.30, 0.52, 0.82)
+    horizon: tuple[float, float, float] = (0.78, 0.86, 0.93)
+    haze: float | None = 400.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bin:
+    """Many copies of one mesh with one appearance: one instanced draw.
+
+    Args:
+        matrices: (n, 4, 4) float32, ``v_world = matrix @ v_mesh``.
+    """
+
+    mesh: Mesh
+    appearance: Appearance
+    matrices: Float32Array
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A filled rectangle of the overlay, in pixels from the top left."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    colour: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.5)
+    texture: Texture | None = None
+
+
+@dataclass(frozen=True)
+class Text:
+    """A line (or lines) of text of the overlay; its top left corner in pixels."""
+
+    x: float
+    y: float
+    text: str
+    size: int = 18
+    colour: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Everything that a drawer needs for one picture.
+
+    ``opaque`` and ``transparent`` hold what the camera sees, ``transparent`` from far to near (each Bin a run
+    of neighbours in that order with the same mesh and appearance); ``casters`` what throws shadows into
+    the picture; ``overlay`` is drawn last, in order.
+    """
+
+    view: View
+    size: tuple[int, int]
+    opaque: list[Bin] = field(default_factory=list)
+    transparent: list[Bin] = field(default_factory=list)
+    casters: list[Bin] = field(default_factory=list)
+    overlay: list[Rectangle | Text] = field(default_factory=list)
+    sun: Sun = Sun()
+    sky: Sky = Sky()
+
+
+class Drawer(Protocol):
+    """What draws frames: the real one (`osgode.render`) or one that only records them."""
+
+    def draw(self, frame: Frame) -> None:
+        """Draw one picture."""
