@@ -1,0 +1,1 @@
+"""Joints: what holds two bodies, or a body and the static world, together."""

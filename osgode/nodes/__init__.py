@@ -1,0 +1,1 @@
+"""Nodes that stand for something of ODE: World, spaces, Body, Placeable, geoms."""

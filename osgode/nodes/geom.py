@@ -1,0 +1,361 @@
+"""What all collision shapes have in common."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
+
+from osgode.errors import FieldError
+from osgode.fields import FLAG, Check, Field, FlagField, number, optional
+from osgode.graph.appearance import Appearance
+from osgode.graph.drawable import Drawable
+from osgode.materials import (
+    KIND,
+    KINDS,
+    MATERIAL,
+    Surface,
+    category_bits,
+    collide_bits,
+    material,
+)
+from osgode.maths import IDENTITY, ZERO, Pose, Vec3
+from osgode.native import ffi, lib
+from osgode.nodes.base import PhysicsNode, nearest_body
+from osgode.nodes.placeable import Placeable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from osgode.graph.node import Group
+    from osgode.mass import Mass
+    from osgode.nodes.body import Body
+    from osgode.nodes.realm import Realm
+    from osgode.nodes.touch import Touch
+
+LOOKS: dict[str, Appearance] = {
+    "default": Appearance((0.75, 0.75, 0.78, 1.0)),
+    "wood": Appearance((0.72, 0.53, 0.33, 1.0), shininess=0.1),
+    "steel": Appearance((0.56, 0.58, 0.62, 1.0), shininess=0.8),
+    "aluminium": Appearance((0.80, 0.81, 0.83, 1.0), shininess=0.7),
+    "concrete": Appearance((0.62, 0.61, 0.58, 1.0), shininess=0.05),
+    "glass": Appearance((0.72, 0.86, 0.88, 0.45), shininess=0.95),
+    "ice": Appearance((0.80, 0.92, 0.98, 0.8), shininess=0.8),
+    "brick": Appearance((0.66, 0.32, 0.24, 1.0), shininess=0.05),
+    "rubber": Appearance((0.16, 0.16, 0.17, 1.0), shininess=0.15),
+    "earth": Appearance((0.45, 0.42, 0.26, 1.0), shininess=0.0),
+}
+"""How a geom looks that was given no appearance: by its material."""
+
+
+def _instance_check(kind: type, words: str) -> Check[Any]:
+    def convert(value: object) -> object:
+        if not isinstance(value, kind):
+            raise TypeError
+        return value
+
+    return optional(Check(words, convert))
+
+
+def _drawables(value: Any) -> tuple[Drawable, ...]:
+    drawables = (value,) if isinstance(value, Drawable) else tuple(value)
+    if not all(isinstance(d, Drawable) for d in drawables):
+        raise TypeError
+    return drawables
+
+
+class GeomFields(TypedDict, total=False):
+    """The keyword arguments that all geoms have."""
+
+    material: str
+    kind: str
+    collides_with: str | set[str] | frozenset[str] | tuple[str, ...] | list[str] | None
+    enabled: bool
+    mass: float | None
+    density: float | None
+    surface: Surface | None
+    appearance: Appearance | None
+    shown: Sequence[Drawable] | Drawable | None
+
+
+class Geom(PhysicsNode):
+    """A collision shape, and what is seen of it.
+
+    Two geoms meet if each has the other's kind among what it collides with, unless both are static, belong to
+    one body, or their bodies are joined by a joint.
+    """
+
+    PARENTS: ClassVar[tuple[str, ...]] = ("Placeable", "Space")
+    SHAPE: ClassVar[int]
+    """Which shape of the C core it is."""
+
+    material: Field[str, str] = Field("default", MATERIAL, after="_remade", doc="The name of what it is made of.")
+    kind: Field[str, str] = Field("default", KIND, after="_marked", doc="The name of the kind of object it belongs to.")
+    collides_with: Field[frozenset[str] | None, Any] = Field(
+        None, KINDS, after="_marked", doc="The kinds of objects that it meets; None: all."
+    )
+    enabled = FlagField(
+        True,
+        FLAG,
+        lambda geom: bool(lib.dGeomIsEnabled(geom._id)),
+        lambda geom, value: lib.dGeomEnable(geom._id) if value else lib.dGeomDisable(geom._id),
+        doc="Whether it collides.",
+    )
+    mass: Field[float | None, float | None] = Field(
+        None,
+        optional(number(0.0, 1e15)),
+        after="_remassed",
+        unit="kg",
+        doc="Its part of the body's mass; 0: none; None: by density.",
+    )
+    density: Field[float | None, float | None] = Field(
+        None,
+        optional(number(1e-6, 1e9)),
+        after="_remassed",
+        unit="kg/m3",
+        doc="Used where no mass is given; the material's if None.",
+    )
+    surface: Field[Surface | None, Surface | None] = Field(
+        None,
+        _instance_check(Surface, "a Surface"),
+        after="_resurfaced",
+        doc="Its own surface instead of the table's; where both geoms have one, that of lower friction counts.",
+    )
+    appearance: Field[Appearance | None, Appearance | None] = Field(
+        None,
+        _instance_check(Appearance, "an Appearance"),
+        after="_relooked",
+        doc="How it looks; by its material if None.",
+    )
+    shown: Field[tuple[Drawable, ...] | None, Any] = Field(
+        None,
+        optional(Check("a Drawable or several", _drawables)),
+        after="_relooked",
+        doc="What is drawn instead of the collision shape, in the geom's axes.",
+    )
+
+    def __init__(self, *, name: str = "", visible: bool = True, **fields: Any) -> None:
+        super().__init__(name=name, visible=visible, **fields)
+
+    def _start(self) -> None:
+        self._id: Any = None
+        self._slot = -1
+        self._mesh: Any = ffi.NULL
+        self._own_drawables: tuple[Drawable, ...] | None = None
+        self._touch_listeners: list[Callable[[Touch], object]] = []
+
+    # -- what a kind of geom provides
+
+    @abstractmethod
+    def _dimensions(self) -> tuple[float, ...]:
+        """What the C core makes it from."""
+
+    @abstractmethod
+    def _shape_mass(self, *, mass: float | None = None, density: float | None = None) -> Mass:
+        """The mass of the shape in its own axes."""
+
+    @abstractmethod
+    def _shape_drawables(self) -> tuple[Drawable, ...]:
+        """The collision shape as it looks."""
+
+    # -- what it is
+
+    @property
+    def body(self) -> Body | None:
+        """The Body that it is a part of, or None for static geometry."""
+        return nearest_body(self.parent)
+
+    @property
+    def pose(self) -> Pose:
+        """Where it is in the world (below a World or not)."""
+        parent = self.parent
+        local = parent.pose if isinstance(parent, Placeable) else Pose()
+        return self.body.pose * local if self.body is not None else local
+
+    @property
+    def bounds(self) -> tuple[Vec3, Vec3]:
+        """The lowest and the highest corner of its box along the world's axes, metres.
+
+        Raises:
+            StateError: outside of a World.
+        """
+        self._live("bounds")
+        box = ffi.new("dReal[6]")
+        lib.dGeomGetAABB(self._id, box)
+        return Vec3(box[0], box[2], box[4]), Vec3(box[1], box[3], box[5])
+
+    @property
+    def part_mass(self) -> Mass | None:
+        """Its mass in the frame of the body (or of the world, for static geometry), None if it has none.
+
+        Raises:
+            FieldError: if its shape encloses no volume.
+        """
+        if self.mass == 0.0:
+            return None
+        density = None if self.mass is not None else self.density or material(self.material).density
+        try:
+            own = self._shape_mass(mass=self.mass, density=density)
+        except FieldError as error:
+            raise FieldError(f"{self.describe()} has no usable mass: {error}; mass=0 makes it weightless") from error
+        parent = self.parent
+        return own.moved(parent.pose) if isinstance(parent, Placeable) else own
+
+    def drawables(self) -> tuple[Drawable, ...]:
+        """What is drawn: `shown`, or the collision shape."""
+        if self.shown is not None:
+            return self.shown
+        if self._own_drawables is None:
+            self._own_drawables = self._shape_drawables()
+        return self._own_drawables
+
+    def _look(self) -> Appearance:
+        return self.appearance or LOOKS.get(self.material, LOOKS["default"])
+
+    # -- touching
+
+    def on_touch(self, listener: Callable[[Touch], object]) -> Callable[[Touch], object]:
+        """Have ``listener`` called after each step in which this geom touches, or ceases to touch, another.
+
+        Usable as a decorator. It may change anything, this geom included.
+        """
+        self._touch_listeners.append(listener)
+        self._mark_listened()
+        return listener
+
+    def remove_on_touch(self, listener: Callable[[Touch], object]) -> None:
+        """Take back what `on_touch` registered.
+
+        Raises:
+            ValueError: if it isn't registered.
+        """
+        self._touch_listeners.remove(listener)
+        self._mark_listened()
+
+    def _mark_listened(self) -> None:
+        if self._realm is None:
+            return
+        body = self.body
+        row = self._realm.ptr.geoms[self._slot]
+        if self._touch_listeners or (body is not None and body._touch_listeners):
+            row.flags |= lib.OO_LISTENED
+        else:
+            row.flags &= ~lib.OO_LISTENED
+
+    # -- after changes
+
+    def _marked(self) -> None:
+        if self._realm is not None:
+            lib.oo_geom_set_bits(
+                self._realm.ptr,
+                self._slot,
+                category_bits(self.material, self.kind),
+                collide_bits(self.collides_with),
+                material(self.material).index,
+            )
+
+    def _remade(self) -> None:
+        self._marked()
+        self._remassed()
+        self._relooked()
+
+    def _remassed(self) -> None:
+        if self.mass is not None and self.density is not None:
+            raise FieldError(
+                f"{self.describe()} has mass={self.mass} and density={self.density}; give one, the other None"
+            )
+        if (body := self.body) is not None:
+            body._parts_changed()
+
+    def _resized(self) -> None:
+        self._remassed()
+        self._relooked()
+
+    def _relooked(self) -> None:
+        self._own_drawables = None
+        self._touch()
+
+    def _resurfaced(self) -> None:
+        if self._realm is None:
+            return
+        row = self._realm.ptr.geoms[self._slot]
+        if row.surface:
+            self._realm.give_surface(row.surface)
+            row.surface = 0
+        if self.surface is not None:
+            row.surface = self._realm.take_surface(self.surface.row())
+
+    # -- entering and leaving
+
+    def _enter(self, realm: Realm) -> None:
+        slot = self._made(lib.oo_geom_new(realm.ptr, self.SHAPE, self._dimensions(), self._mesh))
+        self._slot = slot
+        self._id = realm.ptr.geoms[slot].id
+        realm.add_slot(slot, self)
+        super()._enter(realm)
+        space = self.space
+        if space is not None:
+            space._take(self)
+        body = self.body
+        if body is not None:
+            lib.dGeomSetBody(self._id, body._id)
+        self._place()
+        self._enter_fields()
+        self._marked()
+        self._resurfaced()
+        self._mark_listened()
+
+    def _leave(self) -> None:
+        realm = self._live("leaving it")
+        self._leave_fields()
+        lib.oo_wake_touching(realm.ptr, self._slot)
+        if (own := realm.ptr.geoms[self._slot].surface) != 0:
+            realm.give_surface(own)
+        super()._leave()
+        realm.remove_slot(self._slot)
+        self._id = None
+        self._slot = -1
+
+    def _rehouse(self) -> None:
+        space, old = self.space, lib.dGeomGetSpace(self._id)
+        if old != (ffi.NULL if space is None else space._id):
+            if space is not None:
+                space._check_room(self)
+            if old != ffi.NULL:
+                lib.dSpaceRemove(old, self._id)
+            if space is not None:
+                space._take(self)
+        body = self.body
+        native = ffi.NULL if body is None else body._id
+        if lib.dGeomGetBody(self._id) != native:
+            if lib.dGeomIsOffset(self._id):  # ODE forgets to free it with the old body
+                lib.dGeomClearOffset(self._id)
+            lib.dGeomSetBody(self._id, native)
+            self._place()
+            self._mark_listened()
+
+    def _place(self) -> None:
+        if self._realm is None:
+            return
+        parent = self.parent
+        pose = parent.pose if isinstance(parent, Placeable) else Pose()
+        body = self.body
+        if body is None:
+            lib.oo_wake_touching(self._realm.ptr, self._slot)
+            lib.dGeomSetPosition(self._id, *pose.position)
+            lib.dGeomSetQuaternion(self._id, pose.rotation)
+            return
+        offset = pose.position - body._com
+        if offset == ZERO and pose.rotation == IDENTITY:
+            if lib.dGeomIsOffset(self._id):
+                lib.dGeomClearOffset(self._id)
+        else:
+            lib.dGeomSetOffsetPosition(self._id, *offset)
+            lib.dGeomSetOffsetQuaternion(self._id, pose.rotation)
+
+    def _arrived(self, parent: Group) -> None:
+        if (body := nearest_body(parent)) is not None:
+            body._parts_changed()
+
+    def _departed(self, parent: Group) -> None:
+        if (body := nearest_body(parent)) is not None:
+            body._parts_changed()

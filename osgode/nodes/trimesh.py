@@ -1,0 +1,118 @@
+"""Geoms made of triangles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol, Unpack
+
+import numpy as np
+
+from osgode.fields import Check, Field
+from osgode.graph.drawable import Drawable
+from osgode.graph.mesh import Mesh
+from osgode.native import ffi, lib
+from osgode.nodes.geom import Geom, GeomFields
+from osgode.nodes.meshdata import MeshData
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
+    from osgode.mass import Mass
+    from osgode.nodes.realm import Realm
+
+
+class HasTriangles(Protocol):
+    """A loaded model, or a Mesh: anything with vertices and triangles."""
+
+    @property
+    def vertices(self) -> npt.NDArray[Any]:
+        """(n, 3), metres."""
+
+    @property
+    def triangles(self) -> npt.NDArray[Any]:
+        """(m, 3) indices."""
+
+
+def _data(value: Any) -> MeshData:
+    if not isinstance(value, MeshData):
+        raise TypeError
+    return value
+
+
+class Trimesh(Geom):
+    """A surface of triangles: terrain, houses, hulls.
+
+    It is a surface and not a solid: what is wholly inside touches nothing. As a part of a body it must be closed,
+    or be given ``mass=0``.
+
+    Args:
+        source: a loaded model, a Mesh, MeshData, or a pair (vertices, triangles). Share one MeshData (``geom.data``)
+            between geoms to have it in memory once.
+
+    Raises:
+        ModelError: if the triangles can't be used.
+    """
+
+    SHAPE = lib.OO_TRIMESH
+
+    data: Field[MeshData, MeshData] = Field(
+        MeshData([(0, 0, 0), (0, 0, 1), (1, 0, 0)], [(0, 1, 2)]),
+        Check("MeshData", _data),
+        fixed=True,
+        doc="Its vertices and triangles, given when it is made.",
+    )
+
+    def __init__(
+        self,
+        source: HasTriangles | MeshData | tuple[npt.ArrayLike, npt.ArrayLike],
+        *,
+        name: str = "",
+        visible: bool = True,
+        **fields: Unpack[GeomFields],
+    ) -> None:
+        self._model_drawables: Sequence[Drawable] = tuple(getattr(source, "drawables", ()))
+        if isinstance(source, MeshData):
+            data = source
+        elif isinstance(source, tuple):
+            data = MeshData(*source, name=name)
+        else:
+            data = MeshData(source.vertices, source.triangles, getattr(source, "name", name))
+        super().__init__(name=name, visible=visible, data=data, **fields)
+
+    def _copy_from(self, other: Any) -> None:
+        super()._copy_from(other)
+        self._model_drawables = other._model_drawables
+
+    def _dimensions(self) -> tuple[float, ...]:
+        return ()
+
+    def _shape_mass(self, *, mass: float | None = None, density: float | None = None) -> Mass:
+        water = self.data.water
+        return water.scaled(mass if mass is not None else water.mass * (density or 0.0) / 1000.0)
+
+    def _shape_drawables(self) -> tuple[Drawable, ...]:
+        if self._model_drawables and self.appearance is None:
+            return tuple(self._model_drawables)
+        if self._model_drawables:
+            return tuple(Drawable(d.mesh, self._look(), d.matrix) for d in self._model_drawables)
+        vertices = self.data.vertices.astype(np.float32)
+        return (Drawable(Mesh(vertices, self.data.triangles, name=self.data.name), self._look()),)
+
+    def _enter(self, realm: Realm) -> None:
+        mesh = realm.take_mesh(self.data)
+        if mesh == ffi.NULL:
+            self._made(lib.OO_ASSERT)
+        self._mesh = mesh
+        try:
+            super()._enter(realm)
+        except BaseException:
+            if self._realm is None:
+                realm.give_mesh(self.data)
+            raise
+
+    def _leave(self) -> None:
+        realm = self._live("leaving it")
+        super()._leave()
+        realm.give_mesh(self.data)
+        self._mesh = ffi.NULL

@@ -1,0 +1,312 @@
+"""The World: the root of what is simulated, and the owner of its time."""
+
+from __future__ import annotations
+
+import logging
+import weakref
+from typing import TYPE_CHECKING, Any, Self, Unpack
+
+import numpy as np
+
+from osgode.errors import FieldError, PhysicsError, StateError, TreeError
+from osgode.fields import number, whole
+from osgode.graph.node import Group
+from osgode.materials import LIMIT, PUBLISHED, SurfaceTable
+from osgode.maths import FloatArray, pose_matrices
+from osgode.native import checked, ffi, forward_messages, lib
+from osgode.nodes.base import PhysicsNode, refuse
+from osgode.nodes.body import Body
+from osgode.nodes.realm import Realm
+from osgode.nodes.spaces import Space
+from osgode.nodes.touch import contact_rows, tell_touches
+from osgode.nodes.worldsettings import WorldFields, WorldSettings
+
+if TYPE_CHECKING:
+    from osgode.joints.base import Joint
+
+log = logging.getLogger("osgode")
+
+
+class World(WorldSettings, Group):
+    """The root of a simulation: bodies and spaces attached below it exist in ODE.
+
+    What is dropped with the World turns into plain data again and keeps its state. A World may be used by one
+    thread at a time; different Worlds may step at the same time in different threads.
+    """
+
+    PARENTS = ("Group",)
+
+    def __init__(self, *, name: str = "", visible: bool = True, **fields: Unpack[WorldFields]) -> None:
+        realm = Realm()
+        realm.world_ref = weakref.ref(self)
+        self._realm = realm
+        self._id = realm.ptr.id
+        self._pairs: list[tuple[Space, Space | None]] = []
+        self._time = 0.0
+        self._warned = False
+        weakref.finalize(self, realm.close).atexit = False
+        super().__init__(name=name, visible=visible)
+        self._set_fields({field_name: field.default for field_name, field in self.FIELDS.items()})
+        self._set_fields(dict(fields))
+        self._surfaces = PUBLISHED.copy()
+        self._surfaces._changed = weakref.WeakMethod(self._send_surfaces)
+        self._send_surfaces()
+
+    # -- what is in it
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All bodies, in the order of the rows of `poses`: the last takes the place of one that leaves."""
+        return tuple(self._live("bodies").bodies)
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """All joints that are in effect, in the order in which they were made."""
+        from osgode.joints.base import Joint
+
+        return tuple(member for member in self._live("joints").members if isinstance(member, Joint))
+
+    @property
+    def surfaces(self) -> SurfaceTable:
+        """How each pair of materials meets: ``world.surfaces["wood", "ice"] = Surface(friction=0.05)``."""
+        return self._surfaces
+
+    @surfaces.setter
+    def surfaces(self, table: SurfaceTable) -> None:
+        if not isinstance(table, SurfaceTable):
+            raise FieldError(f"{self.describe()}.surfaces is {table!r}; it must be a SurfaceTable")
+        self._surfaces = table.copy()
+        self._surfaces._changed = weakref.WeakMethod(self._send_surfaces)
+        self._send_surfaces()
+
+    def _send_surfaces(self) -> None:
+        with self._live("surfaces").editing() as realm:
+            for i, row in enumerate(self._surfaces.matrix()):
+                for j, surface in enumerate(row):
+                    checked(lib.oo_set_surface(realm.ptr, LIMIT * i + j, surface.row()), "surfaces")
+
+    # -- what collides
+
+    def collide(self, space: Space, other: Space | None = None) -> None:
+        """From now on, test ``space`` against ``other`` in each step, or against itself.
+
+        Without ``other`` the pairs inside ``space`` are meant, and those inside the spaces in it. A space that is
+        outside of this World at the moment is left out until it comes back.
+
+        Raises:
+            TreeError: if it isn't a Space, or one contains the other.
+        """
+        for each in (space, other) if other is not None else (space,):
+            if not isinstance(each, Space):
+                raise TreeError(f"{self.describe()}.collide(): {each!r} is no Space")
+        if other is not None:
+            _check_apart(space, other)
+        if not any(_same_pair(pair, (space, other)) for pair in self._pairs):
+            self._pairs.append((space, other))
+            self._live("collide").pairs_changed = True
+
+    def stop_colliding(self, space: Space, other: Space | None = None) -> None:
+        """Take back what `collide` declared; nothing happens if it wasn't declared."""
+        self._pairs = [pair for pair in self._pairs if not _same_pair(pair, (space, other))]
+        self._live("stop_colliding").pairs_changed = True
+
+    @property
+    def collided(self) -> tuple[tuple[Space, Space | None], ...]:
+        """What `collide` declared."""
+        return tuple(self._pairs)
+
+    def _send_pairs(self, realm: Realm) -> None:
+        rows: list[tuple[Any, Any]] = []
+        for space, other in self._pairs:
+            if space._realm is not realm or (other is not None and other._realm is not realm):
+                continue
+            if other is not None:
+                _check_apart(space, other)
+                rows.append((space._id, other._id))
+            else:
+                rows += [(node._id, ffi.NULL) for node in space.walk() if isinstance(node, Space)]
+        unique = list(dict.fromkeys(rows))
+        checked(lib.oo_set_pairs(realm.ptr, ffi.new("oo_pair[]", unique), len(unique)), "collide")
+        realm.pairs_changed = False
+        if not rows and not self._warned and any(isinstance(node, Space) for node in self.walk()):
+            self._warned = True
+            _log_nothing_collides(self)
+
+    # -- time
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds."""
+        return self._time
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return int(self._live("steps").ptr.steps)
+
+    def step(self, count: int = 1) -> None:
+        """Simulate ``count`` steps of `step_size`.
+
+        Each collides, moves the bodies, and then tells the listeners. All listeners of a step are heard even if one
+        raises; the error then leaves this call, and the World stays usable.
+
+        Raises:
+            PhysicsError: if a body's state is no longer finite, or it left the bounds of 1e8 m; the message names it.
+            StateError: if called from inside a step, or while another thread is in one.
+            FieldError: if count is not a whole number of at least 0.
+        """
+        count = whole(0, 2**31)(f"{self.describe()}.step()", "count", count)
+        with self._live("step").editing() as realm:
+            if realm.stepping:
+                raise StateError(f"{self.describe()}.step() was called from a listener inside a step")
+            realm.stepping = True
+            try:
+                self._step(realm, count)
+            finally:
+                realm.stepping = False
+
+    def run(self, seconds: float | None = None, *, steps: int | None = None) -> None:
+        """Simulate for a time, rounded to whole steps, or for a number of steps; see `step`."""
+        if (seconds is None) == (steps is None):
+            raise FieldError(f"{self.describe()}.run(): give either seconds or steps")
+        if steps is None:
+            steps = round(number(0.0, 1e9)(f"{self.describe()}.run()", "seconds", seconds) / self.step_size)
+        self.step(steps)
+
+    def _step(self, realm: Realm, count: int) -> None:
+        ptr = realm.ptr
+        left = count
+        while left:
+            if realm.pairs_changed:
+                self._send_pairs(realm)
+            before = ptr.steps
+            realm.busy = True
+            try:
+                status = lib.oo_run(ptr, left)
+            finally:
+                realm.busy = False
+                done = ptr.steps - before
+                left -= done
+                self._time += done * ptr.step_size
+                forward_messages()
+            if ptr.event_count and done:
+                tell_touches(realm)
+            realm.forget_retired()
+            if status == lib.OO_BAD_BODY:
+                raise self._bad_body(realm.bodies[ptr.bad_body])
+            checked(status, f"{self.describe()} step {ptr.steps + 1}")
+
+    def _bad_body(self, body: Body) -> PhysicsError:
+        state = {name: tuple(getattr(body, name)) for name in ("position", "linear_velocity", "angular_velocity")}
+        return PhysicsError(
+            f"{body.describe()} ({body.path}) left what ODE can compute with, after step {self.steps}: "
+            f"{', '.join(f'{name}={value}' for name, value in state.items())}. A body must stay within 1e8 m and "
+            "1e10 m/s. Detach it, or set its position, rotation and velocities; likely causes are masses, forces or "
+            "springs far too large for the step size."
+        )
+
+    # -- what the picture reads
+
+    @property
+    def poses(self) -> FloatArray:
+        """The pose of each body after the last step: (n, 7) of x y z and quaternion w x y z, read-only.
+
+        In the order of `bodies`. A view on a table that each step overwrites; fetch it again when bodies have come
+        or gone.
+        """
+        return _view(self._live("poses").poses, len(self._live("poses").bodies))
+
+    @property
+    def previous_poses(self) -> FloatArray:
+        """The same after the step before the last."""
+        return _view(self._live("previous_poses").previous, len(self._live("previous_poses").bodies))
+
+    @property
+    def velocities(self) -> FloatArray:
+        """A new array of the linear (of the frame's origin) and angular velocity of each body: (n, 6)."""
+        realm = self._live("velocities")
+        out = np.empty((len(realm.bodies), 6))
+        lib.oo_export_velocities(realm.ptr, ffi.cast("double *", out.ctypes.data))
+        return out
+
+    @property
+    def contacts(self) -> np.ndarray[Any, np.dtype[Any]]:
+        """A copy of the contacts of the last step, as a structured array.
+
+        ``geom.pos``, ``geom.normal`` (out of the second geom) and ``geom.depth`` of each; ``slot1`` and ``slot2``
+        say which geoms (`geom_of_slot`); ``force`` (N, on the first) where somebody listens.
+        """
+        realm = self._live("contacts")
+        return contact_rows(realm, 0, realm.ptr.contact_count)
+
+    def geom_of_slot(self, slot: int) -> PhysicsNode | None:
+        """The geom that a contact row names, None if it is gone."""
+        geoms = self._live("geom_of_slot").geoms
+        return geoms[slot] if 0 <= slot < len(geoms) else None
+
+    def interpolated_poses(self, interpolation: float) -> FloatArray:
+        """Poses between the step before the last (0) and the last (1): (n, 7)."""
+        last = self.poses
+        if interpolation >= 1.0:
+            return last
+        before = self.previous_poses
+        mixed = before + (last - before) * interpolation
+        # The shorter way round: q and -q are the same rotation.
+        turned = (before[:, 3:] * last[:, 3:]).sum(axis=1) < 0
+        mixed[turned, 3:] = (before[turned, 3:] * (interpolation - 1.0)) + last[turned, 3:] * interpolation
+        mixed[:, 3:] /= np.linalg.norm(mixed[:, 3:], axis=1, keepdims=True)
+        return mixed
+
+    def matrices(self, interpolation: float) -> FloatArray:
+        """The same as matrices from body to world axes: (n, 4, 4). The picture is drawn from these."""
+        poses = self.interpolated_poses(interpolation)
+        return pose_matrices(poses[:, :3], poses[:, 3:])
+
+    # -- it is never outside of itself
+
+    def _check_place(self, parent: Group) -> None:
+        super()._check_place(parent)
+        if isinstance(parent, PhysicsNode) or any(isinstance(node, PhysicsNode) for node in parent.ancestors):
+            raise refuse(self, parent, "a World may stand under purely visual groups only")
+
+    def copy(self) -> Self:
+        """A World can't be copied.
+
+        Raises:
+            StateError: always; copy what is below it.
+        """
+        raise StateError(f"{self.describe()} can't be copied; copy the bodies and spaces below it")
+
+    def _linked(self, parent: Group) -> None:
+        """Nothing: a World lives by itself."""
+
+    def _unlinking(self, parent: Group) -> None:
+        """Nothing: a World lives by itself."""
+
+    def _unlinked(self, parent: Group) -> None:
+        """Nothing: a World lives by itself."""
+
+
+def _view(table: FloatArray, count: int) -> FloatArray:
+    view = table[:count]
+    view.flags.writeable = False
+    return view
+
+
+def _same_pair(pair: tuple[Space, Space | None], other: tuple[Space, Space | None]) -> bool:
+    return {id(pair[0]), id(pair[1])} == {id(other[0]), id(other[1])}
+
+
+def _check_apart(space: Space, other: Space) -> None:
+    if space is other or space in list(other.ancestors) or other in list(space.ancestors):
+        raise TreeError(
+            f"{space.describe()} and {other.describe()} can't be collided with each other: one is in the other"
+        )
+
+
+def _log_nothing_collides(world: World) -> None:
+    log.warning(
+        "%s has spaces but was told to collide none of them: things will pass through each other. "
+        "Call world.collide(space), or world.collide(moving, fixed).",
+        world.describe(),
+    )
