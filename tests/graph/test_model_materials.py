@@ -158,8 +158,9 @@ def test_materials_with_equal_images_share_a_texture(tmp_path: Path) -> None:
     """One image named by two materials is one Texture, so that it is uploaded once; another image is another."""
     for name, pixels in (("a.png", PIXELS), ("b.png", PIXELS[::-1])):
         Image.fromarray(pixels).save(tmp_path / name)
-    materials = "".join(f"newmtl m{k}\nKd {k} 1 1\nmap_Kd {name}\n" for k, name in ((0, "a.png"), (1, "a.png")))
-    (tmp_path / "m.mtl").write_text(materials + "newmtl m2\nmap_Kd b.png\n")
+    named = ["a.png", "a.png", "b.png"]
+    materials = (f"newmtl m{k}\nKd 1 {k / 2} 1\nmap_Kd {name}\n" for k, name in enumerate(named))
+    (tmp_path / "m.mtl").write_text("".join(materials))
     vertices, faces = SQUARE.split("f", 1)
     parts = "".join(f"usemtl m{k}\nf {faces.splitlines()[0]}\n" for k in range(3))
     (tmp_path / "m.obj").write_text("mtllib m.mtl\n" + vertices + parts)
