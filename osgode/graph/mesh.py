@@ -56,7 +56,8 @@ class Mesh:
             array.flags.writeable = False
         centre = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2
         self.centre = Vec3(*map(float, centre))
-        self.radius = float(np.sqrt(((self.vertices - centre) ** 2).sum(axis=1).max()))
+        arms = self.vertices.astype(np.float64) - centre  # squares of millimetres are too small for float32
+        self.radius = float(np.sqrt((arms**2).sum(axis=1).max()))
 
     def __repr__(self) -> str:
         return f"<Mesh {self.name!r} of {len(self.vertices)} vertices, {len(self.triangles)} triangles>"

@@ -1,0 +1,141 @@
+"""Draws frames into a window."""
+
+from __future__ import annotations
+
+import os
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING, Self
+
+from osgode.errors import OsgodeError, StateError
+from osgode.graph.frame import Frame
+from osgode.render.current import EGL_DRIVERS
+from osgode.render.extras import require
+from osgode.render.renderer import DEFAULT_QUALITY, Counts, GLRenderer, Quality
+
+if TYPE_CHECKING:
+    import moderngl
+    import pygame
+
+
+NO_WINDOW = (
+    "no window with OpenGL 3.3 could be opened ({reason}). It takes a screen, and on Debian and Ubuntu libgl1 and "
+    "libgl1-mesa-dri; without a screen use OffscreenDrawer, or run under xvfb-run"
+)
+
+
+class Window:
+    """A window that shows frames; there is one in a process.
+
+    Args:
+        size: width and height, pixels; the user may change it, see `size`.
+        title: what its bar says.
+        quality: what a picture may cost.
+        vsync: wait for the screen before showing a picture, where the driver can.
+
+    Raises:
+        MissingExtraError: if moderngl or pygame is not installed.
+        OsgodeError: if there is no screen, or no OpenGL 3.3.
+    """
+
+    def __init__(
+        self,
+        size: tuple[int, int] = (1024, 640),
+        title: str = "osgode",
+        quality: Quality = DEFAULT_QUALITY,
+        vsync: bool = True,
+    ) -> None:
+        gl = require("moderngl")
+        self._pygame = require("pygame")
+        self.closed = False
+        try:
+            self._make(size, quality.samples, vsync)
+            self._pygame.display.set_caption(title)
+            self._context: moderngl.Context = gl.create_context(require=330)
+        except Exception as error:  # moderngl raises no better one
+            self._pygame.display.quit()
+            raise OsgodeError(NO_WINDOW.format(reason=error)) from error
+        self._open = True
+        self._current: AbstractContextManager[object] = self._context
+        if self._pygame.display.get_driver() in EGL_DRIVERS:
+            self._current = nullcontext()  # current since it was made: OffscreenDrawer puts it back
+        with self._current:
+            self._renderer = GLRenderer(self._context, quality)
+
+    def _make(self, size: tuple[int, int], samples: int, vsync: bool) -> None:
+        """Open the window, or raise what pygame raises."""
+        pg = self._pygame
+        pg.display.init()
+        if pg.display.get_driver() == "offscreen" and "SDL_VIDEODRIVER" not in os.environ:
+            raise pg.error("there is no screen")  # SDL would open a window that nobody sees or can close
+        for name, value in (
+            (pg.GL_CONTEXT_MAJOR_VERSION, 3),
+            (pg.GL_CONTEXT_MINOR_VERSION, 3),
+            (pg.GL_CONTEXT_PROFILE_MASK, pg.GL_CONTEXT_PROFILE_CORE),
+            (pg.GL_CONTEXT_FLAGS, pg.GL_CONTEXT_FORWARD_COMPATIBLE_FLAG),
+            (pg.GL_DEPTH_SIZE, 24),
+        ):
+            pg.display.gl_set_attribute(name, value)
+        # What the driver may refuse is asked for first, and given up step by step.
+        attempts = list(dict.fromkeys([(samples, vsync), (samples, False), (0, vsync), (0, False)]))
+        for wanted, wait in attempts:
+            pg.display.gl_set_attribute(pg.GL_MULTISAMPLEBUFFERS, int(wanted > 1))
+            pg.display.gl_set_attribute(pg.GL_MULTISAMPLESAMPLES, wanted if wanted > 1 else 0)
+            try:
+                pg.display.set_mode(size, pg.OPENGL | pg.DOUBLEBUF | pg.RESIZABLE, vsync=int(wait))
+            except pg.error:
+                if (wanted, wait) == attempts[-1]:
+                    raise
+            else:
+                return
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the window's inside as it is now, pixels."""
+        width, height = self._pygame.display.get_window_size()
+        return width, height
+
+    @property
+    def renderer(self) -> str:
+        """Who draws, in the driver's own words: a graphics card or a software rasteriser such as llvmpipe."""
+        return str(self._context.info["GL_RENDERER"])
+
+    @property
+    def counts(self) -> Counts:
+        """What the last picture took."""
+        return self._renderer.counts
+
+    def pump(self) -> list[pygame.event.Event]:
+        """The events since the last call, oldest first; sets `closed` if the user closed the window.
+
+        To be called once a frame, or the window system takes the program for hung.
+        """
+        events: list[pygame.event.Event] = [] if self.closed else self._pygame.event.get()
+        if any(event.type == self._pygame.QUIT for event in events):
+            self.closed = True
+        return events
+
+    def draw(self, frame: Frame) -> None:
+        """Draw one picture and show it.
+
+        Raises:
+            StateError: if `close` was called.
+        """
+        if not self._open:
+            raise StateError("the Window is closed")
+        with self._current:
+            self._renderer.draw(frame, self._context.screen, self.size)
+            self._pygame.display.flip()
+
+    def close(self) -> None:
+        """Close the window; it can't be used afterwards."""
+        self.closed = True
+        if self._open:
+            self._open = False
+            self._context.release()
+            self._pygame.display.quit()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
