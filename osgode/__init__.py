@@ -9,7 +9,7 @@ from osgode.errors import (
     StateError,
     TreeError,
 )
-from osgode.graph.appearance import Appearance, Texture
+from osgode.graph.appearance import Appearance, Texture, load_texture
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
 from osgode.graph.frame import Bin, Drawer, Frame, Rectangle, Sky, Sun, Text, View
@@ -17,6 +17,7 @@ from osgode.graph.leaf import Leaf, Switch
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
+from osgode.graph.shapes import box_drawable, capsule_drawable, cylinder_drawable, sphere_drawable
 from osgode.graph.transforms import MatrixTransform, PositionAttitudeTransform, Transform
 from osgode.graph.visitors import UpdateVisitor, Visitor
 from osgode.joints.ball import Ball
@@ -26,7 +27,7 @@ from osgode.joints.hinge import Hinge
 from osgode.joints.slider import Slider
 from osgode.mass import Mass
 from osgode.materials import PUBLISHED, Surface, SurfaceTable, define_kind, define_material
-from osgode.maths import Pose, Quat, Vec3, look_at
+from osgode.maths import Pose, Quat, QuatLike, Vec3, Vec3Like, look_at
 from osgode.native import live_natives
 from osgode.nodes.base import PhysicsNode
 from osgode.nodes.body import Body
@@ -80,6 +81,7 @@ __all__ = [
     "PositionAttitudeTransform",
     "QuadTreeSpace",
     "Quat",
+    "QuatLike",
     "Rectangle",
     "SimpleSpace",
     "Sky",
@@ -100,12 +102,18 @@ __all__ = [
     "Trimesh",
     "UpdateVisitor",
     "Vec3",
+    "Vec3Like",
     "View",
     "Visitor",
     "World",
+    "box_drawable",
+    "capsule_drawable",
+    "cylinder_drawable",
     "define_kind",
     "define_material",
     "live_natives",
     "load_model",
+    "load_texture",
     "look_at",
+    "sphere_drawable",
 ]

@@ -62,9 +62,15 @@ class Check(Generic[ValueT]):
         try:
             return self.convert(value)
         except (TypeError, ValueError, OverflowError, KeyError) as error:
-            shown = repr(value)
-            shown = shown if len(shown) < 120 else shown[:117] + "..."
-            raise FieldError(f"{owner}.{name} is {shown}; it must be {self.expects}") from error
+            raise FieldError(f"{owner}.{name} is {_shown(value)}; it must be {self.expects}") from error
+
+
+def _shown(value: object) -> str:
+    try:
+        text = repr(value)
+    except Exception:  # noqa: BLE001 - Python shows no int of more than 4300 digits, and users write __repr__
+        text = f"{type(value).__name__} that can't be shown"
+    return text if len(text) < 120 else text[:117] + "..."
 
 
 class Field(Generic[ValueT, InputT]):
@@ -283,13 +289,19 @@ def _flag(value: object) -> bool:
 FLAG: Check[bool] = Check("True or False", _flag)
 
 
+def _unpackable(value: Any) -> Any:
+    if isinstance(value, bytes | bytearray | set | frozenset | dict):  # of numbers perhaps, but not in an order
+        raise TypeError
+    return value
+
+
 def three(value: Sequence[Any]) -> Vec3:
     """Three finite floats of any sequence.
 
     Raises:
         ValueError: for another length or a number that is not finite.
     """
-    x, y, z = value
+    x, y, z = _unpackable(value)
     result = Vec3(_float(x), _float(y), _float(z))
     if not math.isfinite(result[0] + result[1] + result[2]):
         raise ValueError
@@ -320,7 +332,7 @@ DIRECTION: Check[Vec3] = Check("a direction: three finite numbers, not all 0", _
 
 
 def _rotation(value: Any) -> Quat:
-    w, x, y, z = value
+    w, x, y, z = _unpackable(value)
     result = Quat(_float(w), _float(x), _float(y), _float(z))
     norm = math.hypot(*result)
     if not 1e-6 < norm < 1e6:

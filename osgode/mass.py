@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from osgode.errors import FieldError
+from osgode.fields import LENGTH, SIZE, SMALLEST, Check, number, three, vector
 from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3, Vec3Like
 
 Matrix3: TypeAlias = tuple[Vec3, Vec3, Vec3]
+
+TOTAL: Check[float] = number(SMALLEST, 1e15)
+CENTRE: Check[Vec3] = Check("three finite numbers", three)
+
+
+def _matrix(rows: Any) -> Matrix3:
+    a, b, c = rows
+    row = vector(1e35).convert
+    return row(a), row(b), row(c)
+
+
+INERTIA: Check[Matrix3] = Check("3 rows of 3 numbers within +-1e35", _matrix)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,22 +43,14 @@ class Mass:
     inertia: Matrix3 = (Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0))
 
     def __post_init__(self) -> None:
-        rows = tuple(Vec3(*(float(v) for v in row)) for row in self.inertia)
-        object.__setattr__(self, "mass", float(self.mass))
-        object.__setattr__(self, "centre", Vec3(*(float(v) for v in self.centre)))
-        object.__setattr__(self, "inertia", rows)
+        for name, check in (("mass", TOTAL), ("centre", CENTRE), ("inertia", INERTIA)):
+            object.__setattr__(self, name, check("Mass", name, getattr(self, name)))
         problem = self._problem()
         if problem:
             raise FieldError(f"Mass(mass={self.mass}, centre={tuple(self.centre)}, ...): {problem}")
 
-    def _problem(self) -> str:  # noqa: PLR0911 - one for each thing that can be wrong
-        if not 1e-12 <= self.mass <= 1e15:
-            return "mass must be from 1e-12 to 1e15 kg"
-        if not all(map(math.isfinite, self.centre)):
-            return "centre must be finite"
+    def _problem(self) -> str:
         tensor = np.array(self.inertia)
-        if tensor.shape != (3, 3) or not np.isfinite(tensor).all():
-            return "inertia must be 3 rows of 3 finite numbers"
         size = float(np.abs(tensor).max())
         if float(np.abs(tensor - tensor.T).max()) > 1e-9 * size:
             return "inertia must be symmetric"
@@ -53,7 +58,7 @@ class Mass:
             low, middle, high = sorted((tensor[0, 0], tensor[1, 1], tensor[2, 2]))
         else:
             low, middle, high = np.linalg.eigvalsh(tensor)
-        if low < 1e-12:
+        if not low >= SMALLEST:
             return f"inertia must be positive definite, each principal moment at least 1e-12 kg m2 (least: {low:g})"
         if high > (low + middle) * (1 + 1e-6):
             return "inertia must be of a real thing: no principal moment above the sum of the other two"
@@ -64,20 +69,21 @@ class Mass:
     @classmethod
     def sphere(cls, radius: float, *, mass: float | None = None, density: float | None = None) -> Mass:
         """A solid sphere about the origin, of a total ``mass`` (kg) or a ``density`` (kg/m3)."""
-        m = _total(mass, density, 4.0 / 3.0 * math.pi * radius**3, "sphere")
-        return _diagonal(m, *(3 * (0.4 * m * radius * radius,)))
+        r = LENGTH("Mass.sphere", "radius", radius)
+        m = _total(mass, density, 4.0 / 3.0 * math.pi * r**3, "sphere")
+        return _diagonal(m, *(3 * (0.4 * m * r * r,)))
 
     @classmethod
     def box(cls, size: Vec3Like, *, mass: float | None = None, density: float | None = None) -> Mass:
         """A solid box about the origin, of a total ``mass`` (kg) or a ``density`` (kg/m3)."""
-        x, y, z = (float(s) for s in size)
+        x, y, z = SIZE("Mass.box", "size", size)
         m = _total(mass, density, x * y * z, "box")
         return _diagonal(m, m / 12.0 * (y * y + z * z), m / 12.0 * (x * x + z * z), m / 12.0 * (x * x + y * y))
 
     @classmethod
     def capsule(cls, radius: float, length: float, *, mass: float | None = None, density: float | None = None) -> Mass:
         """A solid capsule along z about the origin; ``length`` is that of the cylindrical part."""
-        a, b = float(radius), float(length)
+        a, b = LENGTH("Mass.capsule", "radius", radius), LENGTH("Mass.capsule", "length", length)
         barrel = math.pi * a * a * b
         caps = (4.0 / 3.0) * math.pi * a * a * a
         m = _total(mass, density, barrel + caps, "capsule")
@@ -89,9 +95,10 @@ class Mass:
     @classmethod
     def cylinder(cls, radius: float, length: float, *, mass: float | None = None, density: float | None = None) -> Mass:
         """A solid cylinder along z about the origin."""
-        r2 = float(radius) * float(radius)
-        m = _total(mass, density, math.pi * r2 * length, "cylinder")
-        across = m * (0.25 * r2 + (1.0 / 12.0) * length * length)
+        r, h = LENGTH("Mass.cylinder", "radius", radius), LENGTH("Mass.cylinder", "length", length)
+        r2 = r * r
+        m = _total(mass, density, math.pi * r2 * h, "cylinder")
+        across = m * (0.25 * r2 + (1.0 / 12.0) * h * h)
         return _diagonal(m, across, across, m * 0.5 * r2)
 
     @classmethod
@@ -111,9 +118,14 @@ class Mass:
         Raises:
             FieldError: if the surface is open or turned inside out.
         """
+        given, indices = np.asarray(vertices, dtype=np.float64), np.asarray(triangles)
+        if given.shape[1:] != (3,) or indices.shape[1:] != (3,) or not len(indices) or indices.dtype.kind not in "iu":
+            raise FieldError("Mass.mesh: vertices must be (n, 3) numbers, and triangles (m, 3) indices, at least one")
+        if indices.min() < 0 or indices.max() >= len(given):
+            raise FieldError(f"Mass.mesh: triangles must be indices of the {len(given)} vertices")
         # Models repeat a vertex for each texture seam; what counts here is where it is.
-        points, merged = np.unique(np.asarray(vertices, dtype=np.float64), axis=0, return_inverse=True)
-        faces = merged.reshape(-1)[np.asarray(triangles, dtype=np.int64)]
+        points, merged = np.unique(given, axis=0, return_inverse=True)
+        faces = merged.reshape(-1)[indices]
         corners = points[faces]
         if not is_closed(faces):
             raise FieldError("the mesh is open: each edge must belong to two triangles, once in each direction")
@@ -167,7 +179,7 @@ class Mass:
 
     def scaled(self, mass: float) -> Mass:
         """The same distribution with another total."""
-        factor = mass / self.mass
+        factor = TOTAL("Mass.scaled()", "mass", mass) / self.mass
         rows = (self.inertia[0] * factor, self.inertia[1] * factor, self.inertia[2] * factor)
         return Mass(mass, self.centre, rows)
 
@@ -184,10 +196,10 @@ def is_closed(triangles: npt.ArrayLike) -> bool:
 def _total(mass: float | None, density: float | None, volume: float, shape: str) -> float:
     if (mass is None) == (density is None):
         raise FieldError(f"Mass.{shape}: give either mass or density")
-    value = float(mass) if mass is not None else float(density or 0.0) * volume
-    if not 1e-12 <= value <= 1e15:
-        raise FieldError(f"Mass.{shape}: the mass is {value:g} kg; it must be from 1e-12 to 1e15")
-    return value
+    if mass is not None:
+        return TOTAL(f"Mass.{shape}", "mass", mass)
+    value = number(0.0)(f"Mass.{shape}", "density", density) * volume
+    return TOTAL(f"Mass.{shape}", "density * volume", value)
 
 
 def _diagonal(mass: float, x: float, y: float, z: float) -> Mass:

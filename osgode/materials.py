@@ -7,12 +7,13 @@ to. User code uses names; the bits are given out here, for the whole process.
 from __future__ import annotations
 
 import math
+import weakref
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from osgode.errors import FieldError
-from osgode.fields import Check
+from osgode.fields import Check, choice, number
 from osgode.native import ffi, lib
 
 LIMIT = 16
@@ -50,18 +51,16 @@ def define_material(name: str, density: float = 1000.0, source: str = "") -> Mat
     Raises:
         FieldError: if it exists with another density, or 16 exist already.
     """
+    _check_name("material", name)
+    density = number(1e-3, 1e6)(f"material {name!r}", "density", density)
     known = _materials.get(name)
     if known is not None and known.density == density:
         return known
     if known is not None:
         raise FieldError(f"material {name!r} exists already with {known.density:g} kg/m3; use another name")
-    if not name or len(_materials) >= LIMIT:
-        raise FieldError(
-            f"material {name!r} can't be defined: there may be {LIMIT} with a name each: {_names(_materials)}"
-        )
-    if not 1e-3 <= density <= 1e6:
-        raise FieldError(f"material {name!r}: density is {density!r}; it must be from 0.001 to 1e6 kg/m3")
-    _materials[name] = Material(name, len(_materials), float(density), source)
+    if len(_materials) >= LIMIT:
+        raise FieldError(f"material {name!r} can't be defined: there may be {LIMIT}: {_names(_materials)}")
+    _materials[name] = Material(name, len(_materials), density, source)
     return _materials[name]
 
 
@@ -71,11 +70,17 @@ def define_kind(name: str) -> None:
     Raises:
         FieldError: if 16 exist already.
     """
+    _check_name("kind", name)
     if name in _kinds:
         return
-    if not name or len(_kinds) >= LIMIT:
-        raise FieldError(f"kind {name!r} can't be defined: there may be {LIMIT} with a name each: {_names(_kinds)}")
+    if len(_kinds) >= LIMIT:
+        raise FieldError(f"kind {name!r} can't be defined: there may be {LIMIT}: {_names(_kinds)}")
     _kinds[name] = len(_kinds)
+
+
+def _check_name(what: str, name: object) -> None:
+    if not isinstance(name, str) or not name:
+        raise FieldError(f"the name of a {what} is {name!r}; it must be a str that is not empty")
 
 
 def material(name: str) -> Material:
@@ -177,13 +182,11 @@ class Surface:
             self._within("soft_erp", 0.0, 1.0)
         if self.soft_cfm is not None:
             self._within("soft_cfm", 1e-12, 1e6)
-        if self.model not in ("pyramid", "force limit"):
-            raise FieldError(f"Surface.model is {self.model!r}; it must be 'pyramid' or 'force limit'")
+        choice("pyramid", "force limit")("Surface", "model", self.model)
 
     def _within(self, name: str, low: float, high: float) -> None:
-        value = getattr(self, name)
-        if isinstance(value, str) or not low <= value <= high:
-            raise FieldError(f"Surface.{name} is {value!r}; it must be a number from {low:g} to {high:g}")
+        value = number(low, high, infinite=True)("Surface", name, getattr(self, name))
+        object.__setattr__(self, name, value)
 
     def row(self) -> Any:
         """The surface as ODE reads it."""
@@ -217,8 +220,8 @@ class SurfaceTable:
 
     def __init__(self, rows: dict[tuple[str, str], Surface] | None = None, fallback: Surface | None = None) -> None:
         self._rows: dict[tuple[str, str], Surface] = {}
-        self._fallback = fallback or Surface()
-        self._changed: Callable[[], object] | None = None
+        self._fallback = Surface() if fallback is None else _surface(fallback)
+        self._changed: weakref.WeakMethod[Callable[[], None]] | None = None
         for pair, surface in (rows or {}).items():
             self[pair] = surface
 
@@ -229,15 +232,24 @@ class SurfaceTable:
 
     @fallback.setter
     def fallback(self, surface: Surface) -> None:
-        self._fallback = _surface(surface)
-        self._notify()
+        old, self._fallback = self._fallback, _surface(surface)
+        try:
+            self._notify()
+        except BaseException:
+            self._fallback = old
+            raise
 
     def __getitem__(self, pair: tuple[str, str]) -> Surface:
         return self._rows.get(self._key(pair), self._fallback)
 
     def __setitem__(self, pair: tuple[str, str], surface: Surface) -> None:
-        self._rows[self._key(pair)] = _surface(surface)
-        self._notify()
+        rows = self._rows
+        self._rows = {**rows, self._key(pair): _surface(surface)}
+        try:
+            self._notify()
+        except BaseException:
+            self._rows = rows
+            raise
 
     def __contains__(self, pair: tuple[str, str]) -> bool:
         return self._key(pair) in self._rows
@@ -261,11 +273,14 @@ class SurfaceTable:
         return result
 
     def _notify(self) -> None:
-        if self._changed is not None:
-            self._changed()
+        changed = None if self._changed is None else self._changed()
+        if changed is not None:
+            changed()
 
     @staticmethod
     def _key(pair: tuple[str, str]) -> tuple[str, str]:
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise FieldError(f"a surface is looked up by the names of two materials, not by {pair!r}")
         a, b = sorted(material(name).name for name in pair)
         return a, b
 

@@ -225,21 +225,16 @@ class Pose(NamedTuple):
 def pose_matrices(positions: npt.ArrayLike, quaternions: npt.ArrayLike) -> FloatArray:
     """4x4 matrices for many poses: (n, 3) positions and (n, 4) unit quaternions give (n, 4, 4)."""
     p = np.asarray(positions, dtype=np.float64)
-    q = np.asarray(quaternions, dtype=np.float64)
-    w, x, y, z = q.T
-    out = np.zeros((len(p), 4, 4))
-    out[:, 0, 0] = 1 - 2 * (y * y + z * z)
-    out[:, 0, 1] = 2 * (x * y - w * z)
-    out[:, 0, 2] = 2 * (x * z + w * y)
-    out[:, 1, 0] = 2 * (x * y + w * z)
-    out[:, 1, 1] = 1 - 2 * (x * x + z * z)
-    out[:, 1, 2] = 2 * (y * z - w * x)
-    out[:, 2, 0] = 2 * (x * z - w * y)
-    out[:, 2, 1] = 2 * (y * z + w * x)
-    out[:, 2, 2] = 1 - 2 * (x * x + y * y)
-    out[:, :3, 3] = p
-    out[:, 3, 3] = 1.0
-    return out
+    q = np.ascontiguousarray(np.asarray(quaternions, dtype=np.float64).T)
+    (_, wx, wy, wz), (_, xx, xy, xz), (_, _, yy, yz), (_, _, _, zz) = q[:, None] * (q + q)
+    out = np.empty((4, 4, len(p)))  # the poses side by side, where numpy is quickest
+    out[0, 0], out[0, 1], out[0, 2] = 1 - (yy + zz), xy - wz, xz + wy
+    out[1, 0], out[1, 1], out[1, 2] = xy + wz, 1 - (xx + zz), yz - wx
+    out[2, 0], out[2, 1], out[2, 2] = xz - wy, yz + wx, 1 - (xx + yy)
+    out[:3, 3] = p.T
+    out[3] = 0.0
+    out[3, 3] = 1.0
+    return np.ascontiguousarray(out.transpose(2, 0, 1))
 
 
 def look_at(eye: Vec3Like, target: Vec3Like, up: Vec3Like = (0, 1, 0)) -> Pose:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
-from osgode.errors import FieldError
+from osgode.errors import FieldError, MissingExtraError, ModelError
 
 Image = npt.NDArray[np.uint8]
 
@@ -31,6 +32,24 @@ class Texture:
                 "it must be (height, width, 3 or 4) of uint8"
             )
         object.__setattr__(self, "image", image)
+
+
+def load_texture(path: str | os.PathLike[str]) -> Texture:
+    """The texture in an image file of any format that Pillow reads.
+
+    Raises:
+        ModelError: if there is no such file, or no image in it.
+        MissingExtraError: if Pillow is not installed.
+    """
+    try:
+        from PIL import Image as images  # noqa: N813 - Pillow's class of that name is not needed here
+    except ImportError as error:
+        raise MissingExtraError("reading an image needs Pillow: pip install 'osgode[render]'") from error
+    try:
+        with images.open(path) as image:
+            return Texture(np.asarray(image.convert("RGBA" if "A" in image.getbands() else "RGB")), os.fspath(path))
+    except OSError as error:
+        raise ModelError(f"no texture can be read from {os.fspath(path)!r}: {error}") from error
 
 
 @dataclass(frozen=True)

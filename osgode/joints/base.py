@@ -102,10 +102,13 @@ class Joint(HasFields):
         if self._realm is not None:
             with self._realm.editing():
                 self._drop()
-                for body in self._bodies:
-                    body.wake()
+                self._wake()
         if not self._released:
             self._forget()
+
+    def _wake(self) -> None:
+        for body in self._bodies:
+            body.wake()
 
     def _forget(self) -> None:
         self._released = True

@@ -13,13 +13,16 @@ from osgode.native import lib
 Stops = tuple[float, float] | None
 
 
-def param(code: int, default: float, check: Check[float], *, unit: str = "", doc: str = "") -> NumberField:
+def param(
+    code: int, default: float, check: Check[float], *, after: str = "", unit: str = "", doc: str = ""
+) -> NumberField:
     """A field for one of ODE's joint parameters."""
     return NumberField(
         default,
         check,
         lambda joint: joint._GET_PARAM(joint._id, code),
         lambda joint, value: joint._SET_PARAM(joint._id, code, value),
+        after=after,
         unit=unit,
         doc=doc,
     )
@@ -71,7 +74,7 @@ def stops_field(limit: float, unlimited: float, unit: str, doc: str) -> Field[St
 
     words = f"two numbers (low, high) from {-limit:g} to {limit:g}, the lower first, or None"
     check: Check[Stops] = Check(words, lambda value: None if value is None else convert(value))
-    return Field(None, check, _read_stops, write, unit=unit, doc=doc)
+    return Field(None, check, _read_stops, write, after="_wake", unit=unit, doc=doc)
 
 
 class LimotFields(TypedDict, total=False):
@@ -91,11 +94,14 @@ class LimotFields(TypedDict, total=False):
 class Limot(Joint):
     """Fields of a joint with one degree of freedom: its stops ("limits") and its motor."""
 
-    motor_velocity = param(lib.dParamVel, 0.0, number(-1e9, 1e9), doc="Which the motor aims at, rad/s or m/s.")
+    motor_velocity = param(
+        lib.dParamVel, 0.0, number(-1e9, 1e9), after="_wake", doc="Which the motor aims at, rad/s or m/s."
+    )
     motor_max_force = param(
         lib.dParamFMax,
         0.0,
         number(0.0, math.inf, infinite=True),
+        after="_wake",
         doc="What it may use for that, N m or N; 0: no motor.",
     )
     stop_bounce = param(lib.dParamBounce, 0.0, number(0.0, 1.0), doc="Part of the speed that comes back from a stop.")

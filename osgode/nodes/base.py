@@ -154,11 +154,18 @@ class PhysicsNode(HasFields, Node):
         realm = parent._realm if isinstance(parent, PhysicsNode) else None
         if realm is not None:
             with realm.editing():
-                self._enter_subtree(realm)
+                records = [(node, dict(node._record)) for node in physics_nodes(self)]
                 try:
-                    self._arrived(parent)
+                    self._enter_subtree(realm)
+                    try:
+                        self._arrived(parent)
+                    except BaseException:
+                        self._leave_subtree()
+                        raise
                 except BaseException:
-                    self._leave_subtree()
+                    # Leaving has read natives that had not been given all of the state, or had rounded it.
+                    for node, record in records:
+                        node._record = record
                     raise
         else:
             self._arrived(parent)
@@ -180,6 +187,8 @@ class PhysicsNode(HasFields, Node):
         Raises:
             TreeError: if a tree rule forbids it; nothing is changed then.
         """
+        if not isinstance(parent, Group):
+            raise TreeError(f"{self.describe()} can't be moved to {parent!r}: it is no Group")
         old = self.parent
         if old is None:
             return parent.attach(self)

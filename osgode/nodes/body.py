@@ -217,7 +217,6 @@ class Body(BodyState, Transform):
         with self._live(doing).editing():
             if self.kinematic:
                 return
-            lib.dBodyEnable(self._id)
             properties = self.mass_properties
             turn = np.array(self.rotation.to_matrix())
             spin = turn @ np.linalg.solve(np.array(properties.inertia), turn.T @ np.array(angular))
@@ -227,6 +226,7 @@ class Body(BodyState, Transform):
                 self.FIELDS[name].check(self.describe(), name, value)
             lib.dBodySetAngularVel(self._id, *turning)
             lib.dBodySetLinearVel(self._id, *centre)
+            lib.dBodyEnable(self._id)
 
     def _argument(self, call: str, name: str, value: Vec3Like, limit: float) -> Vec3:
         return vector(limit)(f"{self.describe()}.{call}()", name, value)

@@ -104,11 +104,12 @@ def _write_angular(body: BodyState, value: Vec3) -> None:
         write_linear(body, velocity)
 
 
-def _waking(write: Callable[[BodyState, Vec3], object]) -> Callable[[BodyState, Vec3], None]:
-    def write_and_wake(body: BodyState, value: Vec3) -> None:
+def _waking(write: Callable[[BodyState, Any], object]) -> Callable[[BodyState, Any], None]:
+    """The same for users: what is moved or pushed wakes, or it would hang asleep in the air."""
+
+    def write_and_wake(body: BodyState, value: Any) -> None:
         write(body, value)
-        if value != ZERO:
-            lib.dBodyEnable(body._id)
+        lib.dBodyEnable(body._id)
 
     return write_and_wake
 
@@ -159,6 +160,34 @@ class Inherited(Followed):
         )
 
 
+class Countdown(Inherited):
+    """`Inherited`, in force at once: ODE would first count down from what it was."""
+
+    def enter(self, node: Any) -> None:
+        """Give the native its own value, or the World's, and count anew if it is awake."""
+        super().enter(node)
+        if lib.dBodyIsEnabled(node._id):
+            lib.dBodyEnable(node._id)
+
+
+class AutoDisable(Inherited):
+    """`Inherited`, without what else ODE does when the flag is taken away: it wakes the body and forgets its limits."""
+
+    def __init__(self, *, doc: str) -> None:
+        super().__init__("dBodyGetAutoDisableFlag", "dBodySetAutoDisableFlag", FLAG, doc=doc)
+        self.put = self._put_alone
+
+    def _put_alone(self, body: BodyState, value: bool) -> None:
+        if value == bool(lib.dBodyGetAutoDisableFlag(body._id)):
+            return
+        enabled = lib.dBodyIsEnabled(body._id)
+        lib.dBodySetAutoDisableFlag(body._id, value)
+        for name in ("auto_disable_steps", "auto_disable_time", "auto_disable_samples"):
+            body.FIELDS[name].enter(body)
+        if not enabled:
+            lib.dBodyDisable(body._id)
+
+
 class BodyFields(TypedDict, total=False):
     """The keyword arguments of `Body`."""
 
@@ -200,13 +229,17 @@ class BodyState(PhysicsNode):
         doc="Mass, centre and inertia in the body's frame, instead of the sum of the parts; None for that sum.",
     )
     rotation = RotationField(
-        IDENTITY, ROTATION, _read_rotation, _write_rotation, doc="Quaternion (w, x, y, z) from body axes to world axes."
+        IDENTITY,
+        ROTATION,
+        _read_rotation,
+        _waking(_write_rotation),
+        doc="Quaternion (w, x, y, z) from body axes to world axes.",
     )
     position = VectorField(
         ZERO,
         vector(POSITION_LIMIT),
         read_position,
-        write_position,
+        _waking(write_position),
         unit="m",
         doc="Of the body's frame, in the world.",
     )
@@ -214,13 +247,18 @@ class BodyState(PhysicsNode):
         ZERO, vector(VELOCITY_LIMIT), _read_angular, _waking(_write_angular), unit="rad/s", doc="Along world axes."
     )
     linear_velocity = VectorField(
-        ZERO, vector(VELOCITY_LIMIT), read_linear, _waking(write_linear), unit="m/s", doc="Of the origin of the body's frame."
+        ZERO,
+        vector(VELOCITY_LIMIT),
+        read_linear,
+        _waking(write_linear),
+        unit="m/s",
+        doc="Of the origin of the body's frame.",
     )
     force = VectorField(
         ZERO,
         vector(FORCE_LIMIT),
         _three(lib.dBodyGetForce),
-        lambda body, value: lib.dBodySetForce(body._id, *value),
+        _waking(lambda body, value: lib.dBodySetForce(body._id, *value)),
         unit="N",
         doc="What acts at the centre of mass in the next step; each step clears it.",
     )
@@ -228,7 +266,7 @@ class BodyState(PhysicsNode):
         ZERO,
         vector(FORCE_LIMIT),
         _three(lib.dBodyGetTorque),
-        lambda body, value: lib.dBodySetTorque(body._id, *value),
+        _waking(lambda body, value: lib.dBodySetTorque(body._id, *value)),
         unit="N m",
         doc="What acts in the next step; each step clears it.",
     )
@@ -260,9 +298,7 @@ class BodyState(PhysicsNode):
         _write_finite_axis,
         doc="Rotation is integrated exactly about this world axis (0: any), for fast wheels; None: infinitesimally.",
     )
-    auto_disable = Inherited(
-        "dBodyGetAutoDisableFlag", "dBodySetAutoDisableFlag", FLAG, doc="Whether it falls asleep when it rests."
-    )
+    auto_disable = AutoDisable(doc="Whether it falls asleep when it rests.")
     auto_disable_linear_threshold = Inherited(
         "dBodyGetAutoDisableLinearThreshold",
         "dBodySetAutoDisableLinearThreshold",
@@ -277,13 +313,13 @@ class BodyState(PhysicsNode):
         unit="rad/s",
         doc="Angular speed below which it counts as resting.",
     )
-    auto_disable_steps = Inherited(
+    auto_disable_steps = Countdown(
         "dBodyGetAutoDisableSteps",
         "dBodySetAutoDisableSteps",
         whole(0, 1_000_000),
         doc="Steps that it must rest before it sleeps.",
     )
-    auto_disable_time = Inherited(
+    auto_disable_time = Countdown(
         "dBodyGetAutoDisableTime", "dBodySetAutoDisableTime", number(0, 1e6), unit="s", doc="Time that it must rest."
     )
     auto_disable_samples = Inherited(

@@ -33,8 +33,11 @@ class MeshData:
     def __init__(self, vertices: npt.ArrayLike, triangles: npt.ArrayLike, name: str = "") -> None:
         self.name = name
         label = f"MeshData {name!r}"
-        points = np.array(vertices, dtype=np.float64)
-        faces = np.asarray(triangles)
+        try:
+            points = np.array(vertices, dtype=np.float64)
+            faces = np.asarray(triangles)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ModelError(f"{label}: vertices and triangles must be tables of numbers: {error}") from error
         if points.ndim != 2 or points.shape[1] != 3:
             raise ModelError(f"{label}: vertices has shape {points.shape}; it must be (n, 3)")
         if faces.ndim != 2 or faces.shape[1] != 3 or not np.issubdtype(faces.dtype, np.integer):

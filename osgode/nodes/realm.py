@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -12,7 +13,6 @@ from osgode.maths import FloatArray
 from osgode.native import ffi, lib
 
 if TYPE_CHECKING:
-    import weakref
     from types import TracebackType
 
     from osgode.nodes.base import PhysicsNode
@@ -29,6 +29,9 @@ class Realm:
     A live node holds its Realm, never its World: so a World goes when its last outside reference goes, and
     its finalizer closes the Realm. That turns the nodes that are still referred to into plain data and
     frees every native. Nothing else in osgode has a finalizer.
+
+    Python holds the finalizer, and so the Realm, for as long as the World exists. So the Realm refers to nodes
+    weakly: a listener that knows its World is an ordinary circle, and the garbage collector finds it.
     """
 
     def __init__(self) -> None:
@@ -38,13 +41,11 @@ class Realm:
         self.world_ref: weakref.ref[World] | None = None
         self.busy = False
         self.stepping = False
-        self.members: dict[PhysicsNode | Any, None] = {}
-        self.bodies: list[Body] = []
-        self.geoms: list[PhysicsNode | None] = []
+        self.members: weakref.WeakKeyDictionary[PhysicsNode | Any, None] = weakref.WeakKeyDictionary()
+        self._bodies: list[weakref.ref[Body]] = []
+        self._geoms: list[weakref.ref[PhysicsNode] | None] = []
         self.inherited: dict[str, Any] = {}
         self.pairs_changed = False
-        self._retired: list[int] = []
-        self._ripe: list[int] = []
         self._lock = threading.RLock()
         self._meshes: dict[int, tuple[Any, MeshData, int]] = {}
         self._own_surfaces: list[int] = []
@@ -78,24 +79,35 @@ class Realm:
 
     def add_body(self, body: Body) -> int:
         """Make a native body and return its index in the tables."""
-        if len(self.bodies) == len(self.poses):
+        if len(self._bodies) == len(self.poses):
             self._grow_tables(2 * len(self.poses))
         index: int = lib.oo_body_new(self.ptr)
         if index >= 0:
-            self.bodies.append(body)
+            self._bodies.append(weakref.ref(body))
         return index
+
+    @property
+    def bodies(self) -> list[Body]:
+        """All bodies, in the order of the tables."""
+        return [body for ref in self._bodies if (body := ref()) is not None]
+
+    @property
+    def body_count(self) -> int:
+        """How many rows of the tables are in use."""
+        return len(self._bodies)
 
     def remove_body(self, index: int) -> None:
         """Free a native body; the last one takes its place in the tables."""
         lib.oo_body_free(self.ptr, index)
-        last = self.bodies.pop()
-        if index < len(self.bodies):
-            self.bodies[index] = last
-            last._index = index
-            last._touch()
+        last = self._bodies.pop()
+        if index < len(self._bodies):
+            self._bodies[index] = last
+            if (body := last()) is not None:
+                body._index = index
+                body._touch()
 
     def _grow_tables(self, capacity: int) -> None:
-        count = len(self.bodies)
+        count = len(self._bodies)
         for name in ("poses", "previous"):
             grown = np.zeros((capacity, POSE_WIDTH))
             grown[:count] = getattr(self, name)[:count]
@@ -107,21 +119,27 @@ class Realm:
 
     def add_slot(self, slot: int, node: PhysicsNode) -> None:
         """Note which node a slot of the C core belongs to."""
-        while len(self.geoms) <= slot:
-            self.geoms.append(None)
-        self.geoms[slot] = node
+        while len(self._geoms) <= slot:
+            self._geoms.append(None)
+        self._geoms[slot] = weakref.ref(node)
+
+    def node_of_slot(self, slot: int) -> PhysicsNode | None:
+        """The geom or space that has or last had a slot, None if it is gone."""
+        ref = self._geoms[slot] if 0 <= slot < len(self._geoms) else None
+        return None if ref is None else ref()
 
     def remove_slot(self, slot: int) -> None:
         """Free a native geom or space. The next step may still report that it is no longer touched."""
+        is_space = self.ptr.geoms[slot].flags & lib.OO_IS_SPACE
         lib.oo_geom_free(self.ptr, slot)
-        self._retired.append(slot)
+        world = None if self.world_ref is None else self.world_ref()
+        if world is not None and not is_space:
+            world._retired.append((slot, self.node_of_slot(slot)))
 
-    def forget_retired(self) -> None:
-        """Let go of nodes whose end of touching has been told: call it when the events of a step are read."""
-        for slot in self._ripe:
-            if not self.ptr.geoms[slot].flags & lib.OO_ALIVE:
-                self.geoms[slot] = None
-        self._ripe, self._retired = self._retired, []
+    def forget_slot(self, slot: int) -> None:
+        """No longer know which node had a slot, unless it has been given to another."""
+        if not self.ptr.geoms[slot].flags & lib.OO_ALIVE:
+            self._geoms[slot] = None
 
     # -- meshes and surfaces, shared by geoms
 
@@ -170,3 +188,4 @@ class Realm:
             node._leave()
         lib.oo_world_free(self.ptr)
         self.ptr = None
+        self.busy = True  # a node that is garbage itself, and has a __del__, must not reach ODE any more

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -30,18 +30,14 @@ class Touch:
         other: the geom that it touches.
         state: "begin", "stay" or "end".
         impulse: sum of the sizes of the contact forces times the step size, N s; 0 at the end.
-        points: where they touch, (n, 3) metres in the world; none at the end.
-        normals: at these points, out of ``other`` towards ``geom``, (n, 3).
-        depths: how far they overlap there, (n,) metres.
     """
 
     geom: Geom
     other: Geom
     state: str
     impulse: float
-    points: FloatArray
-    normals: FloatArray
-    depths: FloatArray
+    _slot: int = field(repr=False)
+    _rows: bytes = field(repr=False)  # as C wrote them: numpy is slow for so little, and few listeners ask
 
     STATES: ClassVar[dict[int, str]] = {lib.OO_BEGIN: "begin", lib.OO_STAY: "stay", lib.OO_END: "end"}
 
@@ -61,6 +57,27 @@ class Touch:
         return self.state == "end"
 
     @property
+    def points(self) -> FloatArray:
+        """Where they touch, (n, 3) metres in the world; none at the end."""
+        return self._contacts["geom"]["pos"][:, :3]
+
+    @property
+    def normals(self) -> FloatArray:
+        """Unit vectors at these points, out of ``other`` towards ``geom``, (n, 3)."""
+        rows = self._contacts
+        # ODE's normal points into the body of its first geom
+        return rows["geom"]["normal"][:, :3] * np.where(rows["slot1"] == self._slot, 1.0, -1.0)[:, None]
+
+    @property
+    def depths(self) -> FloatArray:
+        """How far they overlap there, (n,) metres."""
+        return self._contacts["geom"]["depth"]
+
+    @property
+    def _contacts(self) -> np.ndarray[Any, np.dtype[Any]]:
+        return _as_rows(self._rows)
+
+    @property
     def body(self) -> Body | None:
         """The listener's own body."""
         return self.geom.body
@@ -73,10 +90,15 @@ class Touch:
 
 def contact_rows(realm: Realm, first: int, count: int) -> np.ndarray[Any, np.dtype[Any]]:
     """A copy of some of the last step's contact rows."""
-    if not count:
-        return np.empty(0, CONTACT_ROW)
-    size = CONTACT_ROW.itemsize
-    return np.frombuffer(ffi.buffer(realm.ptr.contacts + first, count * size), CONTACT_ROW).copy()
+    return _as_rows(bytearray(_raw_rows(realm, first, count)))
+
+
+def _raw_rows(realm: Realm, first: int, count: int) -> Any:
+    return ffi.buffer(realm.ptr.contacts + first, count * CONTACT_ROW.itemsize)
+
+
+def _as_rows(raw: bytes | bytearray) -> np.ndarray[Any, np.dtype[Any]]:
+    return np.frombuffer(raw, CONTACT_ROW) if raw else np.empty(0, CONTACT_ROW)
 
 
 def tell_touches(realm: Realm) -> None:
@@ -100,25 +122,16 @@ def tell_touches(realm: Realm) -> None:
 
 
 def _calls(realm: Realm, event: Any) -> Iterator[tuple[Callable[[Touch], object], Touch]]:
-    geoms: Any = (realm.geoms[event.slot1], realm.geoms[event.slot2])
+    geoms: Any = (realm.node_of_slot(event.slot1), realm.node_of_slot(event.slot2))
     if None in geoms:
         raise OsgodeError(f"a touch names slots {event.slot1} and {event.slot2}, which no geom has: a fault in osgode")
-    rows = contact_rows(realm, event.first, event.count)
+    rows = bytes(_raw_rows(realm, event.first, event.count))
     for geom, other in (geoms, geoms[::-1]):
-        listeners = [*geom._touch_listeners, *(geom.body._touch_listeners if geom.body is not None else ())]
+        body = geom.body
+        listeners = [*geom._touch_listeners, *(body._touch_listeners if body is not None else ())]
         if not listeners:
             continue
         own = event.slot1 if geom is geoms[0] else event.slot2
-        # ODE's normal points into the body of its first geom
-        sign = np.where(rows["slot1"] == own, 1.0, -1.0)[:, None]
-        touch = Touch(
-            geom,
-            other,
-            Touch.STATES[event.state],
-            event.impulse,
-            rows["geom"]["pos"][:, :3],
-            rows["geom"]["normal"][:, :3] * sign,
-            rows["geom"]["depth"],
-        )
+        touch = Touch(geom, other, Touch.STATES[event.state], event.impulse, own, rows)
         for listener in listeners:
             yield listener, touch

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Unpack
 
 import numpy as np
 
+from osgode.errors import ModelError
 from osgode.fields import Check, Field
 from osgode.graph.drawable import Drawable
 from osgode.graph.mesh import Mesh
@@ -74,10 +75,15 @@ class Trimesh(Geom):
         self._model_drawables: Sequence[Drawable] = tuple(getattr(source, "drawables", ()))
         if isinstance(source, MeshData):
             data = source
-        elif isinstance(source, tuple):
+        elif isinstance(source, tuple) and len(source) == 2:
             data = MeshData(*source, name=name)
-        else:
+        elif hasattr(source, "vertices") and hasattr(source, "triangles"):
             data = MeshData(source.vertices, source.triangles, getattr(source, "name", name))
+        else:
+            raise ModelError(
+                f"Trimesh {name!r}: source is a {type(source).__name__}; it must be a model, a Mesh, MeshData, "
+                "or a pair (vertices, triangles)"
+            )
         super().__init__(name=name, visible=visible, data=data, **fields)
 
     def _copy_from(self, other: Any) -> None:

@@ -24,6 +24,8 @@ from osgode.nodes.worldsettings import WorldFields, WorldSettings
 if TYPE_CHECKING:
     from osgode.joints.base import Joint
 
+STEP_COUNT = whole(0, 2**31)
+
 log = logging.getLogger("osgode")
 
 
@@ -44,6 +46,8 @@ class World(WorldSettings, Group):
         self._pairs: list[tuple[Space, Space | None]] = []
         self._time = 0.0
         self._warned = False
+        self._retired: list[tuple[int, PhysicsNode | None]] = []
+        self._ripe: list[tuple[int, PhysicsNode | None]] = []
         weakref.finalize(self, realm.close).atexit = False
         super().__init__(name=name, visible=visible)
         self._set_fields({field_name: field.default for field_name, field in self.FIELDS.items()})
@@ -62,9 +66,7 @@ class World(WorldSettings, Group):
     @property
     def joints(self) -> tuple[Joint, ...]:
         """All joints that are in effect, in the order in which they were made."""
-        from osgode.joints.base import Joint
-
-        return tuple(member for member in self._live("joints").members if isinstance(member, Joint))
+        return tuple(member for member in self._live("joints").members if not isinstance(member, PhysicsNode))
 
     @property
     def surfaces(self) -> SurfaceTable:
@@ -75,9 +77,10 @@ class World(WorldSettings, Group):
     def surfaces(self, table: SurfaceTable) -> None:
         if not isinstance(table, SurfaceTable):
             raise FieldError(f"{self.describe()}.surfaces is {table!r}; it must be a SurfaceTable")
-        self._surfaces = table.copy()
-        self._surfaces._changed = weakref.WeakMethod(self._send_surfaces)
-        self._send_surfaces()
+        with self._live("surfaces").editing():
+            self._surfaces = table.copy()
+            self._surfaces._changed = weakref.WeakMethod(self._send_surfaces)
+            self._send_surfaces()
 
     def _send_surfaces(self) -> None:
         with self._live("surfaces").editing() as realm:
@@ -155,7 +158,7 @@ class World(WorldSettings, Group):
             StateError: if called from inside a step, or while another thread is in one.
             FieldError: if count is not a whole number of at least 0.
         """
-        count = whole(0, 2**31)(f"{self.describe()}.step()", "count", count)
+        count = STEP_COUNT(f"{self.describe()}.step()", "count", count)
         with self._live("step").editing() as realm:
             if realm.stepping:
                 raise StateError(f"{self.describe()}.step() was called from a listener inside a step")
@@ -191,10 +194,18 @@ class World(WorldSettings, Group):
                 forward_messages()
             if ptr.event_count and done:
                 tell_touches(realm)
-            realm.forget_retired()
+            if done:  # else nothing was collided, and the ends of touching are still to be told
+                self._forget_retired(realm)
             if status == lib.OO_BAD_BODY:
                 raise self._bad_body(realm.bodies[ptr.bad_body])
-            checked(status, f"{self.describe()} step {ptr.steps + 1}")
+            if status < 0:
+                checked(status, f"{self.describe()} step {ptr.steps + 1}")
+
+    def _forget_retired(self, realm: Realm) -> None:
+        """Let go of nodes whose end of touching has been told: they left before the last step but one."""
+        for slot, _ in self._ripe:
+            realm.forget_slot(slot)
+        self._ripe, self._retired = self._retired, []
 
     def _bad_body(self, body: Body) -> PhysicsError:
         state = {name: tuple(getattr(body, name)) for name in ("position", "linear_velocity", "angular_velocity")}
@@ -214,18 +225,20 @@ class World(WorldSettings, Group):
         In the order of `bodies`. A view on a table that each step overwrites; fetch it again when bodies have come
         or gone.
         """
-        return _view(self._live("poses").poses, len(self._live("poses").bodies))
+        realm = self._live("poses")
+        return _view(realm.poses, realm.body_count)
 
     @property
     def previous_poses(self) -> FloatArray:
         """The same after the step before the last."""
-        return _view(self._live("previous_poses").previous, len(self._live("previous_poses").bodies))
+        realm = self._live("previous_poses")
+        return _view(realm.previous, realm.body_count)
 
     @property
     def velocities(self) -> FloatArray:
         """A new array of the linear (of the frame's origin) and angular velocity of each body: (n, 6)."""
         realm = self._live("velocities")
-        out = np.empty((len(realm.bodies), 6))
+        out = np.empty((realm.body_count, 6))
         lib.oo_export_velocities(realm.ptr, ffi.cast("double *", out.ctypes.data))
         return out
 
@@ -241,8 +254,7 @@ class World(WorldSettings, Group):
 
     def geom_of_slot(self, slot: int) -> PhysicsNode | None:
         """The geom that a contact row names, None if it is gone."""
-        geoms = self._live("geom_of_slot").geoms
-        return geoms[slot] if 0 <= slot < len(geoms) else None
+        return self._live("geom_of_slot").node_of_slot(slot)
 
     def interpolated_poses(self, interpolation: float) -> FloatArray:
         """Poses between the step before the last (0) and the last (1): (n, 7)."""
@@ -251,10 +263,12 @@ class World(WorldSettings, Group):
             return last
         before = self.previous_poses
         mixed = before + (last - before) * interpolation
+        q = mixed[:, 3:]
         # The shorter way round: q and -q are the same rotation.
-        turned = (before[:, 3:] * last[:, 3:]).sum(axis=1) < 0
-        mixed[turned, 3:] = (before[turned, 3:] * (interpolation - 1.0)) + last[turned, 3:] * interpolation
-        mixed[:, 3:] /= np.linalg.norm(mixed[:, 3:], axis=1, keepdims=True)
+        turned = np.einsum("ni,ni->n", before[:, 3:], last[:, 3:]) < 0
+        if turned.any():
+            q[turned] = before[turned, 3:] * (interpolation - 1.0) + last[turned, 3:] * interpolation
+        q /= np.sqrt(np.einsum("ni,ni->n", q, q))[:, None]
         return mixed
 
     def matrices(self, interpolation: float) -> FloatArray:
