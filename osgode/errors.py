@@ -3,6 +3,15 @@
 from __future__ import annotations
 
 
+def shown(value: object) -> str:
+    """A value as messages show it, cut short; never raises."""
+    try:
+        text = repr(value)
+    except Exception:  # noqa: BLE001 - Python shows no int of more than 4300 digits, and users write __repr__
+        text = f"{type(value).__name__} that can't be shown"
+    return text if len(text) < 120 else text[:117] + "..."
+
+
 class OsgodeError(Exception):
     """Base of every error that osgode raises on purpose."""
 

@@ -13,7 +13,9 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, Self, TypeVar, overload
 
-from osgode.errors import FieldError, StateError
+import numpy as np
+
+from osgode.errors import FieldError, StateError, shown
 from osgode.maths import Quat, QuatLike, Vec3, Vec3Like
 
 ValueT = TypeVar("ValueT")
@@ -21,6 +23,8 @@ InputT = TypeVar("InputT")
 
 POSITION_LIMIT = 1e8
 """Metres: farther out ODE's hash space can't count its cells in 31 bits."""
+OFFSET_LIMIT = 2.5e7
+"""Metres of a part, or of the centre of mass, from its frame: so no geom of a body within bounds is out of them."""
 VELOCITY_LIMIT = 1e9
 SIZE_LIMITS = (1e-6, 1e7)
 SMALLEST = 1e-12
@@ -62,15 +66,7 @@ class Check(Generic[ValueT]):
         try:
             return self.convert(value)
         except (TypeError, ValueError, OverflowError, KeyError) as error:
-            raise FieldError(f"{owner}.{name} is {_shown(value)}; it must be {self.expects}") from error
-
-
-def _shown(value: object) -> str:
-    try:
-        text = repr(value)
-    except Exception:  # noqa: BLE001 - Python shows no int of more than 4300 digits, and users write __repr__
-        text = f"{type(value).__name__} that can't be shown"
-    return text if len(text) < 120 else text[:117] + "..."
+            raise FieldError(f"{owner}.{name} is {shown(value)}; it must be {self.expects}") from error
 
 
 class Field(Generic[ValueT, InputT]):
@@ -243,8 +239,12 @@ def fields_of(cls: type) -> dict[str, Field[Any, Any]]:
 # -- checks
 
 
+NO_NUMBERS = (str, bytes, bool, np.bool_, np.complexfloating)
+"""What ``float`` takes, but is none: numpy drops the imaginary part with a warning."""
+
+
 def _float(value: Any) -> float:
-    if isinstance(value, str | bytes | bool):
+    if isinstance(value, NO_NUMBERS):
         raise TypeError
     return float(value)
 

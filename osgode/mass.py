@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from osgode.errors import FieldError
-from osgode.fields import LENGTH, SIZE, SMALLEST, Check, number, three, vector
+from osgode.fields import LENGTH, OFFSET_LIMIT, POSITION_LIMIT, SIZE, SMALLEST, Check, number, vector
 from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3, Vec3Like
 
 Matrix3: TypeAlias = tuple[Vec3, Vec3, Vec3]
 
 TOTAL: Check[float] = number(SMALLEST, 1e15)
-CENTRE: Check[Vec3] = Check("three finite numbers", three)
+CENTRE: Check[Vec3] = vector(OFFSET_LIMIT)
 
 
 def _matrix(rows: Any) -> Matrix3:
@@ -118,7 +118,11 @@ class Mass:
         Raises:
             FieldError: if the surface is open or turned inside out.
         """
-        given, indices = np.asarray(vertices, dtype=np.float64), np.asarray(triangles)
+        try:
+            refuse_complex(vertices)
+            given, indices = np.asarray(vertices, dtype=np.float64), np.asarray(triangles)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise FieldError(f"Mass.mesh: vertices and triangles must be tables of numbers: {error}") from error
         if given.shape[1:] != (3,) or indices.shape[1:] != (3,) or not len(indices) or indices.dtype.kind not in "iu":
             raise FieldError("Mass.mesh: vertices must be (n, 3) numbers, and triangles (m, 3) indices, at least one")
         if indices.min() < 0 or indices.max() >= len(given):
@@ -148,6 +152,8 @@ class Mass:
 
     def __add__(self, other: Mass) -> Mass:
         """Both together, by the parallel-axis theorem."""
+        if not isinstance(other, Mass):
+            return NotImplemented
         m = self.mass + other.mass
         centre = (self.centre * self.mass + other.centre * other.mass) / m
         tensor = self.inertia_about(centre) + other.inertia_about(centre)
@@ -163,7 +169,7 @@ class Mass:
 
     def translated(self, by: Vec3Like) -> Mass:
         """The same mass elsewhere."""
-        return Mass(self.mass, self.centre + by, self.inertia)
+        return Mass(self.mass, self.centre + vector(POSITION_LIMIT)("Mass.translated()", "by", by), self.inertia)
 
     def rotated(self, by: Quat) -> Mass:
         """The same mass turned about the origin."""
@@ -182,6 +188,12 @@ class Mass:
         factor = TOTAL("Mass.scaled()", "mass", mass) / self.mass
         rows = (self.inertia[0] * factor, self.inertia[1] * factor, self.inertia[2] * factor)
         return Mass(mass, self.centre, rows)
+
+
+def refuse_complex(table: npt.ArrayLike) -> None:
+    """Raise TypeError for complex numbers: numpy would drop the imaginary part with a mere warning."""
+    if np.iscomplexobj(table):
+        raise TypeError("complex numbers")
 
 
 def is_closed(triangles: npt.ArrayLike) -> bool:

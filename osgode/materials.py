@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from osgode.errors import FieldError
+from osgode.errors import FieldError, shown
 from osgode.fields import Check, choice, number
 from osgode.native import ffi, lib
 
@@ -80,7 +80,7 @@ def define_kind(name: str) -> None:
 
 def _check_name(what: str, name: object) -> None:
     if not isinstance(name, str) or not name:
-        raise FieldError(f"the name of a {what} is {name!r}; it must be a str that is not empty")
+        raise FieldError(f"the name of a {what} is {shown(name)}; it must be a str that is not empty")
 
 
 def material(name: str) -> Material:
@@ -91,9 +91,10 @@ def material(name: str) -> Material:
     """
     try:
         return _materials[name]
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, ValueError):
         raise FieldError(
-            f"material is {name!r}; it must be one of {_names(_materials)}, or be made known with define_material()"
+            f"material is {shown(name)}; it must be one of {_names(_materials)}, "
+            "or be made known with define_material()"
         ) from None
 
 
@@ -280,14 +281,14 @@ class SurfaceTable:
     @staticmethod
     def _key(pair: tuple[str, str]) -> tuple[str, str]:
         if not isinstance(pair, tuple | list) or len(pair) != 2:
-            raise FieldError(f"a surface is looked up by the names of two materials, not by {pair!r}")
+            raise FieldError(f"a surface is looked up by the names of two materials, not by {shown(pair)}")
         a, b = sorted(material(name).name for name in pair)
         return a, b
 
 
 def _surface(value: object) -> Surface:
     if not isinstance(value, Surface):
-        raise FieldError(f"surface is {value!r}; it must be a Surface")
+        raise FieldError(f"surface is {shown(value)}; it must be a Surface")
     return value
 
 

@@ -10,7 +10,7 @@ import weakref
 from collections.abc import Callable, Iterator, Sequence
 from typing import ClassVar, TypeVar
 
-from osgode.errors import TreeError
+from osgode.errors import TreeError, shown
 from osgode.graph.drawable import Drawable
 
 UpdateCallback = Callable[["Node"], object]
@@ -192,7 +192,7 @@ class Group(Node):
             TreeError: if a tree rule forbids it; nothing is changed then.
         """
         if not isinstance(child, Node):
-            raise TreeError(f"{child!r} can't be attached to {self.describe()}: it is no Node")
+            raise TreeError(f"{shown(child)} can't be attached to {self.describe()}: it is no Node")
         child._check_parent(self)
         self._children.append(child)
         child._parents.append(weakref.ref(self))
@@ -212,7 +212,7 @@ class Group(Node):
         """
         if not any(c is child for c in self._children):
             raise TreeError(
-                f"{child!r} can't be detached from {self.describe()}: it is not one of its "
+                f"{shown(child)} can't be detached from {self.describe()}: it is not one of its "
                 f"{len(self._children)} children"
             )
         child._unlinking(self)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from osgode.errors import PhysicsError, StateError, TreeError
+from osgode.errors import PhysicsError, StateError, TreeError, shown
 from osgode.fields import FLAG, POSITION_LIMIT, FlagField, vector
 from osgode.maths import Pose, Vec3, Vec3Like
 from osgode.native import ffi, last_error, lib
@@ -34,6 +35,7 @@ class Joint(HasFields):
         FLAG,
         lambda joint: bool(lib.dJointIsEnabled(joint._id)),
         lambda joint, value: lib.dJointEnable(joint._id) if value else lib.dJointDisable(joint._id),
+        after="_wake",
         doc="Whether it holds anything.",
     )
 
@@ -44,7 +46,7 @@ class Joint(HasFields):
         for which, body in (("body1", body1), ("body2", body2)):
             if not isinstance(body, Body) and (which == "body1" or body is not None):
                 raise TreeError(
-                    f"{self.describe()}: {which} is {body!r}; it must be a Body" + " or None" * (which == "body2")
+                    f"{self.describe()}: {which} is {shown(body)}; it must be a Body" + " or None" * (which == "body2")
                 )
         if body1 is body2:
             raise TreeError(
@@ -168,6 +170,11 @@ class Joint(HasFields):
             self._drop()
             self._make(realm)
 
+    def _anchoring(self) -> AbstractContextManager[object]:
+        """Hold the World while the joint is anchored anew; an error comes before anything has changed."""
+        self._poses()
+        return self._changing("anchoring it")
+
     def _rest_anew(self) -> None:
         """Take the present poses as those of rest."""
         self._rest = self._poses()
@@ -252,7 +259,8 @@ class Anchored(Joint):
     @anchor.setter
     def anchor(self, value: Vec3Like) -> None:
         wanted = vector(POSITION_LIMIT)(self.describe(), "anchor", value)
-        self._reanchor(wanted)
+        with self._anchoring():
+            self._reanchor(wanted)
 
     def _reanchor(self, anchor: Vec3) -> None:
         self._anchor = anchor

@@ -39,7 +39,8 @@ class Fixed(Joint):
 
     def fix(self) -> None:
         """Hold the bodies as they stand to each other now."""
-        self._rest_anew()
+        with self._anchoring():
+            self._rest_anew()
 
     def _anchor_native(self) -> None:
         lib.dJointSetFixed(self._id)

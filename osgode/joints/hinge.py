@@ -69,9 +69,10 @@ class Hinge(Anchored, Limot):
     @axis.setter
     def axis(self, value: Vec3Like) -> None:
         wanted = DIRECTION(self.describe(), "axis", value)
-        self._anchor = self.anchor
-        self._axis = wanted
-        self._rest_anew()
+        with self._anchoring():
+            self._anchor = self.anchor
+            self._axis = wanted
+            self._rest_anew()
 
     @property
     def angle(self) -> float:
@@ -95,3 +96,4 @@ class Hinge(Anchored, Limot):
         self._needs_live("add_torque")
         with self._live("add_torque").editing():
             lib.dJointAddHingeTorque(self._id, value)
+            self._wake()

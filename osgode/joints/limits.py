@@ -6,11 +6,15 @@ import math
 from collections.abc import Callable
 from typing import Any, TypedDict
 
+from osgode.errors import FieldError
 from osgode.fields import SMALLEST, Check, Field, Followed, NumberField, number
 from osgode.joints.base import Joint
 from osgode.native import lib
 
 Stops = tuple[float, float] | None
+
+STRONGEST_AT_STOP = 1e9
+"""N or N m: at a stop ODE adds the motor's force to the loads, and the stop gives way by force * CFM * step size."""
 
 
 def param(
@@ -74,7 +78,7 @@ def stops_field(limit: float, unlimited: float, unit: str, doc: str) -> Field[St
 
     words = f"two numbers (low, high) from {-limit:g} to {limit:g}, the lower first, or None"
     check: Check[Stops] = Check(words, lambda value: None if value is None else convert(value))
-    return Field(None, check, _read_stops, write, after="_wake", unit=unit, doc=doc)
+    return Field(None, check, _read_stops, write, after="_driven", unit=unit, doc=doc)
 
 
 class LimotFields(TypedDict, total=False):
@@ -101,8 +105,8 @@ class Limot(Joint):
         lib.dParamFMax,
         0.0,
         number(0.0, math.inf, infinite=True),
-        after="_wake",
-        doc="What it may use for that, N m or N; 0: no motor.",
+        after="_driven",
+        doc=f"What it may use for that, N m or N; 0: no motor. With stops at most {STRONGEST_AT_STOP:g}.",
     )
     stop_bounce = param(lib.dParamBounce, 0.0, number(0.0, 1.0), doc="Part of the speed that comes back from a stop.")
     stop_erp = softness(
@@ -113,6 +117,16 @@ class Limot(Joint):
         lib.dParamFudgeFactor, 1.0, number(0.0, 1.0), doc="Less of the motor's force at a stop, against jumping off it."
     )
     cfm = softness(lib.dParamCFM, lib.dWorldGetCFM, CFM, doc="How soft the motor is.")
+
+    stops: Any
+
+    def _driven(self) -> None:
+        if self.motor_max_force > STRONGEST_AT_STOP and self.stops is not None:
+            raise FieldError(
+                f"{self.describe()}.motor_max_force is {self.motor_max_force:g}; "
+                f"with stops={self.stops} it must be at most {STRONGEST_AT_STOP:g}"
+            )
+        self._wake()
 
     def motor(self, velocity: float, max_force: float) -> None:
         """Drive at ``velocity`` (rad/s or m/s) with at most ``max_force`` (N m or N)."""

@@ -58,8 +58,10 @@ class Slider(Limot):
 
     @axis.setter
     def axis(self, value: Vec3Like) -> None:
-        self._axis = DIRECTION(self.describe(), "axis", value)
-        self._rest_anew()
+        wanted = DIRECTION(self.describe(), "axis", value)
+        with self._anchoring():
+            self._axis = wanted
+            self._rest_anew()
 
     @property
     def position(self) -> float:
@@ -75,7 +77,12 @@ class Slider(Limot):
     def position_rate(self) -> float:
         """How fast it moves, m/s; raises as `position`."""
         self._needs_live("position_rate")
-        return float(lib.dJointGetSliderPositionRate(self._id))
+        # ODE leaves out that the axis turns with the bodies: its rate depends on where their centres of mass are.
+        first, second = self._body1, self._body2
+        velocity = first.linear_velocity
+        if second is not None:
+            velocity -= second.velocity_at(first.position)
+        return self.axis.dot(velocity)
 
     def add_force(self, force: float) -> None:
         """Push ``body1`` along the axis with ``force`` (N) in the next step, and ``body2`` against it."""
@@ -83,3 +90,4 @@ class Slider(Limot):
         self._needs_live("add_force")
         with self._live("add_force").editing():
             lib.dJointAddSliderForce(self._id, value)
+            self._wake()

@@ -122,7 +122,7 @@ enum { GRAIN = 16, LARGEST = 2048, SLAB = 1 << 18 };
 #endif
 
 typedef struct header { /* of GRAIN bytes, so that the block behind it is aligned as malloc's are */
-    size_t grains;         /* the block's size; 0: it comes from malloc */
+    size_t size;           /* as it was asked for: a quadtree says another when it frees */
     struct header *next;   /* while it is free */
 } header;
 _Static_assert(sizeof(header) == GRAIN, "blocks would not be aligned");
@@ -133,6 +133,9 @@ static struct {
     size_t left;
     header *freed[LARGEST / GRAIN + 1];
 } slab = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+/* The list for blocks of that size; 0: they come from malloc. */
+static size_t list_of(size_t size) { return size <= LARGEST ? (size + GRAIN - 1) / GRAIN : 0; }
 
 static header *cut_block(size_t size) {
     if (slab.left < size) {
@@ -148,36 +151,39 @@ static header *cut_block(size_t size) {
 }
 
 static void *take_block(size_t size) {
-    size_t grains = size <= LARGEST ? (size + GRAIN - 1) / GRAIN : 0;
+    size_t list = list_of(size);
     header *taken;
-    if (grains) {
+    if (list) {
         pthread_mutex_lock(&slab.lock);
-        taken = slab.freed[grains];
+        taken = slab.freed[list];
         if (taken)
-            slab.freed[grains] = taken->next;
+            slab.freed[list] = taken->next;
         else
-            taken = cut_block(sizeof *taken + GRAIN * grains);
+            taken = cut_block(sizeof *taken + GRAIN * list);
         pthread_mutex_unlock(&slab.lock);
     } else {
         taken = malloc(sizeof *taken + size);
     }
     if (!taken) return NULL;
-    taken->grains = grains;
+    taken->size = size;
     return taken + 1;
 }
 
 static void give_block(void *given) {
     if (!given) return;
     header *old = (header *)given - 1;
-    if (old->grains) {
+    size_t list = list_of(old->size);
+    if (list) {
         pthread_mutex_lock(&slab.lock);
-        old->next = slab.freed[old->grains];
-        slab.freed[old->grains] = old;
+        old->next = slab.freed[list];
+        slab.freed[list] = old;
         pthread_mutex_unlock(&slab.lock);
     } else {
         free(old);
     }
 }
+
+static size_t size_of(const void *block) { return block ? ((const header *)block - 1)->size : 0; }
 
 static void *counted_alloc(dsizeint size) {
     void *block = take_block(size);
@@ -188,19 +194,23 @@ static void *counted_alloc(dsizeint size) {
     return block;
 }
 
+/* Not counted as a block: only caches that ODE keeps for good begin with NULL here. */
 static void *counted_realloc(void *old, dsizeint old_size, dsizeint size) {
+    (void)old_size;
+    size_t held = size_of(old);
     void *block = take_block(size);
     if (!block) return NULL;
-    if (old) memcpy(block, old, old_size < size ? old_size : size);
+    if (old) memcpy(block, old, held < size ? held : size);
     give_block(old);
-    count_live(&live.bytes, (long)size - (long)old_size);
+    count_live(&live.bytes, (long)size - (long)held);
     return block;
 }
 
 static void counted_free(void *block, dsizeint size) {
+    (void)size;
     if (block) {
         count_live(&live.blocks, -1);
-        count_live(&live.bytes, -(long)size);
+        count_live(&live.bytes, -(long)size_of(block));
     }
     give_block(block);
 }
@@ -535,6 +545,18 @@ void oo_wake_touching(oo_world *w, unsigned int slot) {
     }
 }
 
+/* ODE cleans the geoms at the head of a space's list up to the first that is clean, and puts at the head what is added,
+   clean or not: behind a clean one the others would keep their old boxes, and ODE asserts. So they are cleaned first. */
+void oo_rehouse(dSpaceID from, dSpaceID to, dGeomID geom) {
+    if (guard_enter()) return;
+    if (from) dSpaceRemove(from, geom);
+    if (to) {
+        dSpaceClean(to);
+        dSpaceAdd(to, geom);
+    }
+    guard_leave();
+}
+
 void oo_geom_set_bits(oo_world *w, unsigned int slot, unsigned int category, unsigned int collide, unsigned int material) {
     oo_geom *geom = &w->geoms[slot];
     geom->category = category;
@@ -698,7 +720,7 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
     if (kept > first && (a->flags | b->flags) & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
 }
 
-/* A slot that was retired before the last collide is named by no contact, touch or event any longer. */
+/* A slot that was retired before the last step is named by no contact, touch or event any longer. */
 static void recycle_slots(oo_world *w) {
     for (unsigned int i = 0; i < w->retired_ripe; i++) w->free_slots[w->free_count++] = w->retired_slots[i];
     w->retired_count -= w->retired_ripe;
@@ -712,17 +734,8 @@ static int collide(oo_world *w) {
         w->broken = 1;
         return OO_BROKEN;
     }
-    recycle_slots(w);
-    w->contact_count = w->event_count = 0;
+    w->contact_count = w->event_count = w->touching_count = 0;
     w->out_of_memory = 0;
-    oo_touch *last = w->touched;
-    unsigned int capacity = w->touched_capacity;
-    w->touched = w->touching;
-    w->touched_count = w->touching_count;
-    w->touched_capacity = w->touching_capacity;
-    w->touching = last;
-    w->touching_capacity = capacity;
-    w->touching_count = 0;
     for (unsigned int i = 0; i < w->pair_count; i++) {
         if (w->pairs[i].other)
             dSpaceCollide2((dGeomID)w->pairs[i].space, (dGeomID)w->pairs[i].other, w, on_near);
@@ -826,6 +839,20 @@ static int add_event(oo_world *w, const oo_touch *touch, int state) {
     return OO_OK;
 }
 
+/* What touches now is what the next step compares with. Only here, at the end of a step that was done: one that
+   fails leaves everything as the last one left it. */
+static void keep_touches(oo_world *w) {
+    oo_touch *last = w->touched;
+    unsigned int capacity = w->touched_capacity;
+    w->touched = w->touching;
+    w->touched_count = w->touching_count;
+    w->touched_capacity = w->touching_capacity;
+    w->touching = last;
+    w->touching_capacity = capacity;
+    w->touching_count = 0;
+    recycle_slots(w);
+}
+
 /* Forces into the listened rows, and this step's listened pairs against the last step's. */
 static int compare_touches(oo_world *w) {
     for (unsigned int i = 0; i < w->touching_count; i++) {
@@ -857,7 +884,18 @@ static int compare_touches(oo_world *w) {
             if (!order) last++;
         }
     }
+    keep_touches(w);
     return OO_OK;
+}
+
+/* After an assert in the middle of ODE's step: gravity is in the accumulators already and must not act twice, and
+   the body that caused it is to be named. */
+static void clean_up(oo_world *w) {
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        dBodySetForce(w->bodies[i].id, 0, 0, 0);
+        dBodySetTorque(w->bodies[i].id, 0, 0, 0);
+    }
+    find_bad_body(w);
 }
 
 int oo_run(oo_world *w, unsigned int count) {
@@ -869,7 +907,10 @@ int oo_run(oo_world *w, unsigned int count) {
     while (done < count) {
         int status = collide(w);
         if (status == OO_OK) status = respond(w);
-        if (status == OO_OK) status = integrate(w);
+        if (status == OO_OK) {
+            status = integrate(w);
+            if (status == OO_ASSERT) clean_up(w);
+        }
         if (status == OO_OK) status = compare_touches(w);
         dJointGroupEmpty(w->contact_group);
         if (status != OO_OK) return status;

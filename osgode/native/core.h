@@ -131,6 +131,8 @@ int oo_body_set_mass(oo_world *, unsigned int index, double mass, const double i
 int oo_geom_new(oo_world *, int kind, const double *dimensions, oo_mesh *);
 int oo_space_new(oo_world *, int kind, const double *arguments);
 void oo_geom_free(oo_world *, unsigned int slot);
+/* A geom or space from one space to another; either may be NULL. */
+void oo_rehouse(dSpaceID from, dSpaceID to, dGeomID);
 /* Wake the bodies that touched a geom in the last step: it is about to go, or has been put elsewhere. */
 void oo_wake_touching(oo_world *, unsigned int slot);
 void oo_geom_set_bits(oo_world *, unsigned int slot, unsigned int category, unsigned int collide, unsigned int material);

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import difflib
 import weakref
+from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from osgode.errors import PhysicsError, StateError, TreeError
+from osgode.errors import PhysicsError, StateError, TreeError, shown
 from osgode.fields import Field, Followed, fields_of
 from osgode.graph.node import Group, Node
 from osgode.native import last_error, lib
@@ -77,6 +78,10 @@ class HasFields:
         if realm.busy:
             raise StateError(f"{self.describe()}: {doing} while another thread is inside a step of its World")
         return realm
+
+    def _changing(self, doing: str) -> AbstractContextManager[object]:
+        """Hold the World for a change, if there is one; raises as `_live`."""
+        return nullcontext() if self._realm is None else self._live(doing).editing()
 
     def _made(self, result: int) -> int:
         if result < 0:
@@ -188,7 +193,7 @@ class PhysicsNode(HasFields, Node):
             TreeError: if a tree rule forbids it; nothing is changed then.
         """
         if not isinstance(parent, Group):
-            raise TreeError(f"{self.describe()} can't be moved to {parent!r}: it is no Group")
+            raise TreeError(f"{self.describe()} can't be moved to {shown(parent)}: it is no Group")
         old = self.parent
         if old is None:
             return parent.attach(self)
@@ -248,8 +253,12 @@ class PhysicsNode(HasFields, Node):
             raise
 
     def _leave_subtree(self) -> None:
-        for node in reversed(list(physics_nodes(self))):
+        nodes = physics_nodes(self)
+        asleep = [node for node in nodes if not getattr(node, "enabled", True)]
+        for node in reversed(nodes):
             node._leave()
+        for node in asleep:  # what leaves wakes what it touched or held, but not what leaves along with it
+            node._record["enabled"] = False
 
     # -- what a kind of node does on these occasions
 

@@ -23,6 +23,7 @@ from osgode.nodes.bodystate import (
     write_position,
 )
 from osgode.nodes.realm import Realm
+from osgode.nodes.touch import checked_listener
 
 if TYPE_CHECKING:
     from osgode.joints.base import Joint
@@ -249,8 +250,9 @@ class Body(BodyState, Transform):
 
         Usable as a decorator. It may change anything, this body included.
         """
-        self._touch_listeners.append(listener)
-        self._mark_listened()
+        with self._changing("on_touch"):
+            self._touch_listeners.append(checked_listener(self, listener))
+            self._mark_listened()
         return listener
 
     def remove_on_touch(self, listener: Callable[[Touch], object]) -> None:
@@ -259,8 +261,9 @@ class Body(BodyState, Transform):
         Raises:
             ValueError: if it isn't registered.
         """
-        self._touch_listeners.remove(listener)
-        self._mark_listened()
+        with self._changing("remove_on_touch"):
+            self._touch_listeners.remove(listener)
+            self._mark_listened()
 
     def _mark_listened(self) -> None:
         for geom in self.geoms:
@@ -285,6 +288,8 @@ class Body(BodyState, Transform):
     def _leave(self) -> None:
         realm = self._live("changing it")
         for joint in self._joints:
+            if not joint.is_live:
+                continue
             joint._drop()
             for other in joint._bodies:
                 if other is not self:

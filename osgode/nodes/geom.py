@@ -22,6 +22,7 @@ from osgode.maths import IDENTITY, ZERO, Pose, Vec3
 from osgode.native import ffi, lib
 from osgode.nodes.base import PhysicsNode, nearest_body
 from osgode.nodes.placeable import Placeable
+from osgode.nodes.touch import checked_listener
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -218,8 +219,9 @@ class Geom(PhysicsNode):
 
         Usable as a decorator. It may change anything, this geom included.
         """
-        self._touch_listeners.append(listener)
-        self._mark_listened()
+        with self._changing("on_touch"):
+            self._touch_listeners.append(checked_listener(self, listener))
+            self._mark_listened()
         return listener
 
     def remove_on_touch(self, listener: Callable[[Touch], object]) -> None:
@@ -228,8 +230,9 @@ class Geom(PhysicsNode):
         Raises:
             ValueError: if it isn't registered.
         """
-        self._touch_listeners.remove(listener)
-        self._mark_listened()
+        with self._changing("remove_on_touch"):
+            self._touch_listeners.remove(listener)
+            self._mark_listened()
 
     def _mark_listened(self) -> None:
         if self._realm is None:
@@ -320,10 +323,7 @@ class Geom(PhysicsNode):
         if old != (ffi.NULL if space is None else space._id):
             if space is not None:
                 space._check_room(self)
-            if old != ffi.NULL:
-                lib.dSpaceRemove(old, self._id)
-            if space is not None:
-                space._take(self)
+            lib.oo_rehouse(old, ffi.NULL if space is None else space._id, self._id)
         body = self.body
         native = ffi.NULL if body is None else body._id
         if lib.dGeomGetBody(self._id) != native:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from osgode.errors import ModelError
 from osgode.fields import SIZE_LIMITS
-from osgode.mass import Mass
+from osgode.mass import Mass, refuse_complex
 from osgode.maths import FloatArray, IndexArray
 
 SMALLEST_AREA = 1e-14
@@ -34,6 +34,7 @@ class MeshData:
         self.name = name
         label = f"MeshData {name!r}"
         try:
+            refuse_complex(vertices)
             points = np.array(vertices, dtype=np.float64)
             faces = np.asarray(triangles)
         except (TypeError, ValueError, OverflowError) as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypedDict, Unpack
 
-from osgode.fields import POSITION_LIMIT, ROTATION, RotationField, VectorField, vector
+from osgode.fields import OFFSET_LIMIT, ROTATION, RotationField, VectorField, vector
 from osgode.graph.transforms import Transform
 from osgode.maths import IDENTITY, ZERO, FloatArray, Pose, QuatLike, Vec3Like
 from osgode.nodes.base import PhysicsNode, nearest_body, physics_nodes
@@ -30,7 +30,7 @@ class Placeable(PhysicsNode, Transform):
 
     PARENTS = ("Body", "Space")
 
-    position = VectorField(ZERO, vector(POSITION_LIMIT), after="_moved", unit="m", doc="In the axes above.")
+    position = VectorField(ZERO, vector(OFFSET_LIMIT), after="_moved", unit="m", doc="In the axes above.")
     rotation = RotationField(IDENTITY, ROTATION, after="_moved", doc="Quaternion (w, x, y, z) to the axes above.")
 
     def __init__(self, *, name: str = "", visible: bool = True, **fields: Unpack[PlaceableFields]) -> None:

@@ -41,6 +41,7 @@ class Realm:
         self.world_ref: weakref.ref[World] | None = None
         self.busy = False
         self.stepping = False
+        self.broken = False
         self.members: weakref.WeakKeyDictionary[PhysicsNode | Any, None] = weakref.WeakKeyDictionary()
         self._bodies: list[weakref.ref[Body]] = []
         self._geoms: list[weakref.ref[PhysicsNode] | None] = []
@@ -60,7 +61,13 @@ class Realm:
 
         Raises:
             StateError: if another thread is changing or stepping it.
+            PhysicsError: if an assert has left a space locked, so that any change would end the process.
         """
+        if self.broken:
+            raise PhysicsError(
+                "an ODE assert while colliding left this World unusable; make a new one. What stands in this one "
+                "can be read, and is free with its state once the World is dropped"
+            )
         if not self._lock.acquire(blocking=False):
             raise StateError(
                 "another thread is stepping or changing this World; use one thread per World, or wait for it to be done"
@@ -183,6 +190,7 @@ class Realm:
 
     def close(self) -> None:
         """Turn every live node into plain data and free all natives."""
+        self.broken = False  # what goes may go; C leaks what it can't free
         self.ptr.contact_count = 0  # so that nothing is woken by what goes
         for node in reversed(list(self.members)):
             node._leave()

@@ -85,10 +85,7 @@ class Space(PhysicsNode, Group):
             return
         if above is not None:
             above._check_room(self)
-        if old != ffi.NULL:
-            lib.dSpaceRemove(old, geom)
-        if above is not None:
-            above._take(self)
+        lib.oo_rehouse(old, ffi.NULL if above is None else above._id, geom)
         self._live("moving").pairs_changed = True
 
 

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from osgode.errors import OsgodeError
+from osgode.errors import FieldError, OsgodeError, shown
 from osgode.native import ffi, lib, row_dtype
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from osgode.maths import FloatArray
+    from osgode.nodes.base import PhysicsNode
     from osgode.nodes.body import Body
     from osgode.nodes.geom import Geom
     from osgode.nodes.realm import Realm
@@ -86,6 +87,17 @@ class Touch:
     def other_body(self) -> Body | None:
         """The body that is touched, or None for static geometry."""
         return self.other.body
+
+
+def checked_listener(node: PhysicsNode, listener: Callable[[Touch], object]) -> Callable[[Touch], object]:
+    """The listener, if it can be called.
+
+    Raises:
+        FieldError: if not.
+    """
+    if not callable(listener):
+        raise FieldError(f"{node.describe()}.on_touch().listener is {shown(listener)}; it must be callable")
+    return listener
 
 
 def contact_rows(realm: Realm, first: int, count: int) -> np.ndarray[Any, np.dtype[Any]]:

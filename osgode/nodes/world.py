@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, Unpack
 
 import numpy as np
 
-from osgode.errors import FieldError, PhysicsError, StateError, TreeError
+from osgode.errors import FieldError, PhysicsError, StateError, TreeError, shown
 from osgode.fields import number, whole
 from osgode.graph.node import Group
 from osgode.materials import LIMIT, PUBLISHED, SurfaceTable
@@ -76,7 +76,7 @@ class World(WorldSettings, Group):
     @surfaces.setter
     def surfaces(self, table: SurfaceTable) -> None:
         if not isinstance(table, SurfaceTable):
-            raise FieldError(f"{self.describe()}.surfaces is {table!r}; it must be a SurfaceTable")
+            raise FieldError(f"{self.describe()}.surfaces is {shown(table)}; it must be a SurfaceTable")
         with self._live("surfaces").editing():
             self._surfaces = table.copy()
             self._surfaces._changed = weakref.WeakMethod(self._send_surfaces)
@@ -101,17 +101,19 @@ class World(WorldSettings, Group):
         """
         for each in (space, other) if other is not None else (space,):
             if not isinstance(each, Space):
-                raise TreeError(f"{self.describe()}.collide(): {each!r} is no Space")
+                raise TreeError(f"{self.describe()}.collide(): {shown(each)} is no Space")
         if other is not None:
             _check_apart(space, other)
-        if not any(_same_pair(pair, (space, other)) for pair in self._pairs):
-            self._pairs.append((space, other))
-            self._live("collide").pairs_changed = True
+        with self._live("collide").editing() as realm:
+            if not any(_same_pair(pair, (space, other)) for pair in self._pairs):
+                self._pairs.append((space, other))
+                realm.pairs_changed = True
 
     def stop_colliding(self, space: Space, other: Space | None = None) -> None:
         """Take back what `collide` declared; nothing happens if it wasn't declared."""
-        self._pairs = [pair for pair in self._pairs if not _same_pair(pair, (space, other))]
-        self._live("stop_colliding").pairs_changed = True
+        with self._live("stop_colliding").editing() as realm:
+            self._pairs = [pair for pair in self._pairs if not _same_pair(pair, (space, other))]
+            realm.pairs_changed = True
 
     @property
     def collided(self) -> tuple[tuple[Space, Space | None], ...]:
@@ -158,7 +160,8 @@ class World(WorldSettings, Group):
             StateError: if called from inside a step, or while another thread is in one.
             FieldError: if count is not a whole number of at least 0.
         """
-        count = STEP_COUNT(f"{self.describe()}.step()", "count", count)
+        if count.__class__ is not int or count != 1:  # called once a step, so the usual case is not checked at length
+            count = STEP_COUNT(f"{self.describe()}.step()", "count", count)
         with self._live("step").editing() as realm:
             if realm.stepping:
                 raise StateError(f"{self.describe()}.step() was called from a listener inside a step")
@@ -196,7 +199,8 @@ class World(WorldSettings, Group):
                 tell_touches(realm)
             if done:  # else nothing was collided, and the ends of touching are still to be told
                 self._forget_retired(realm)
-            if status == lib.OO_BAD_BODY:
+            realm.broken = status == lib.OO_BROKEN
+            if status < 0 and ptr.bad_body >= 0:
                 raise self._bad_body(realm.bodies[ptr.bad_body])
             if status < 0:
                 checked(status, f"{self.describe()} step {ptr.steps + 1}")
@@ -254,6 +258,7 @@ class World(WorldSettings, Group):
 
     def geom_of_slot(self, slot: int) -> PhysicsNode | None:
         """The geom that a contact row names, None if it is gone."""
+        slot = STEP_COUNT(f"{self.describe()}.geom_of_slot()", "slot", slot)
         return self._live("geom_of_slot").node_of_slot(slot)
 
     def interpolated_poses(self, interpolation: float) -> FloatArray:
