@@ -1,0 +1,40 @@
+"""``python -m benchmarks``: what osgode costs; see the README beside this file."""
+
+from __future__ import annotations
+
+import argparse
+
+from benchmarks import listener, memory, picture, raw, speed, startup
+from benchmarks.scenes import SCENES
+
+KINDS = ("step", "listener", "frame", "memory", "import")
+
+
+def main() -> None:
+    """Run what the command line asks for."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"some of {', '.join(KINDS)}; all if none is named")
+    parser.add_argument("--scene", action="append", default=[], choices=SCENES, help="for step: this scene alone")
+    parser.add_argument("--turns", type=int, default=40, help="of osgode and C (40)")
+    parser.add_argument("--install", action="store_true", help="also time pip install . in a copy (slow, downloads)")
+    chosen = parser.parse_args()
+    if unknown := set(chosen.kinds).difference(KINDS):
+        parser.error(f"there is no {', '.join(unknown)}")
+    kinds = chosen.kinds or KINDS
+    raw.build()
+    if "step" in kinds:
+        speed.run(chosen.turns, chosen.scene)
+    if "listener" in kinds:
+        listener.run(chosen.turns)
+    if "frame" in kinds:
+        picture.run()
+    if "memory" in kinds:
+        memory.run()
+    if "import" in kinds:
+        startup.run_import()
+    if chosen.install:
+        startup.run_install()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,91 @@
+"""Steps of osgode against the same steps in plain C, by turns, and the states that both arrive at."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+import osgode as oo
+from benchmarks.raw import Raw
+from benchmarks.scenes import SCENES, Scene
+from benchmarks.timing import Spread, Times, fresh, row, turns
+
+AIM = 1.05
+"""Times what the C program takes."""
+PROCESSES = 3
+
+
+class DifferentBitsError(Exception):
+    """The same scene went different ways in osgode and in C."""
+
+
+@contextmanager
+def one_core() -> Iterator[None]:
+    """Keep this process, and those that it starts, on one core: what else runs there then slows both sides alike."""
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(cores)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, cores)
+
+
+def osgode_steps(world: oo.World, count: int) -> Times:
+    """Do some steps, fetching the table of poses after each; the time that they took."""
+    start, used = time.perf_counter(), time.thread_time()
+    for _ in range(count):
+        world.step()
+        _ = world.poses
+    used = time.thread_time() - used
+    return Times(time.perf_counter() - start, used)
+
+
+def compare(scene: Scene, world: oo.World, raw: Raw) -> None:
+    """Make sure that both sides have the same bits.
+
+    Raises:
+        DifferentBitsError: if they have not, or are not finite.
+    """
+    ours, theirs = np.hstack([world.poses, world.velocities]), raw.state()
+    different = (ours.view(np.uint64) != theirs.view(np.uint64)).any(axis=1)
+    if different.any() or not np.isfinite(ours).all():
+        first = int(different.argmax())
+        raise DifferentBitsError(
+            f"{scene.name}: after {world.steps} steps {different.sum()} of {len(ours)} bodies differ, "
+            f"by up to {np.abs(ours - theirs).max():g}; body {first} is\n{ours[first]} in osgode,\n{theirs[first]} in C"
+        )
+
+
+def measure(name: str, turn_count: int) -> None:
+    """Time both sides in turns, compare where they arrive, and print the times of a turn as JSON."""
+    scene = SCENES[name]()
+    world = scene.world()
+    with one_core(), Raw(scene) as raw:
+        world.step(scene.settle)
+        raw.step(scene.settle)
+        compare(scene, world, raw)
+        times = turns(turn_count, lambda: osgode_steps(world, scene.turn), lambda: raw.step(scene.turn))
+        compare(scene, world, raw)
+    print(json.dumps(times))
+
+
+def run(turn_count: int, names: list[str]) -> None:
+    """All scenes, or those named, each in several fresh processes: where memory happens to lie makes some percent."""
+    each = math.ceil(turn_count / PROCESSES)
+    print(f"Step: time of osgode / time of C, median and quartiles of {PROCESSES} times {each} turns; the same of the")
+    print("processor's time, which leaves out when other programs had it")
+    for name in names or SCENES:
+        results = [fresh(f"from benchmarks import speed; speed.measure({name!r}, {each})") for _ in range(PROCESSES)]
+        pairs = [(Times(*ours), Times(*theirs)) for result in results for ours, theirs in result]
+        scene = SCENES[name]()
+        ratio = Spread.of([ours.clock / theirs.clock for ours, theirs in pairs])
+        used = Spread.of([ours.processor / theirs.processor for ours, theirs in pairs])
+        in_c = Spread.of([theirs.clock / scene.turn for _, theirs in pairs]).median
+        text = f"{ratio.text()}; processor {used.text()}; same bits; {in_c * 1e3:.2f} ms a step"
+        row(scene.name, text, f"{AIM}", good=ratio.median <= AIM)
