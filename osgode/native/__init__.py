@@ -54,7 +54,7 @@ def last_error() -> str:
 
 
 def forward_messages() -> None:
-    """Hand ODE's warnings to the logger ``osgode.ode``."""
+    """Hand what ODE has said to the logger ``osgode.ode``: its warnings, and the asserts that became errors."""
     text = ffi.new("char[400]")
     while lib.oo_take_message(text, 400):
         log.warning("%s", ffi.string(text).decode("utf-8", "replace"))
@@ -64,6 +64,7 @@ def checked(status: int, doing: str) -> int:
     """Pass a result of 0 or above on, and raise PhysicsError for a status below 0."""
     if status >= 0:
         return status
+    forward_messages()
     reasons = {
         lib.OO_NO_MEMORY: "out of memory",
         lib.OO_ASSERT: f"ODE refused: {last_error()}",

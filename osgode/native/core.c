@@ -73,22 +73,28 @@ static void copy_text(char *out, size_t size, const char *format, va_list args) 
     out[used < size ? used : size - 1] = 0;
 }
 
-static void on_failure(int number, const char *format, va_list args) {
-    (void)number;
-    copy_text(guard.text, sizeof guard.text, format, args);
-    if (guard.armed) longjmp(guard.place, 1);
-}
-
-static void on_message(int number, const char *format, va_list args) {
-    (void)number;
+static void keep_message(const char *text) {
     pthread_mutex_lock(&messages.lock);
-    unsigned int at = (messages.first + messages.count) % MESSAGES;
-    copy_text(messages.text[at], MESSAGE_SIZE, format, args);
+    snprintf(messages.text[(messages.first + messages.count) % MESSAGES], MESSAGE_SIZE, "%s", text);
     if (messages.count < MESSAGES)
         messages.count++;
     else
         messages.first = (messages.first + 1) % MESSAGES;
     pthread_mutex_unlock(&messages.lock);
+}
+
+static void on_failure(int number, const char *format, va_list args) {
+    (void)number;
+    copy_text(guard.text, sizeof guard.text, format, args);
+    keep_message(guard.text);
+    if (guard.armed) longjmp(guard.place, 1);
+}
+
+static void on_message(int number, const char *format, va_list args) {
+    (void)number;
+    char text[MESSAGE_SIZE];
+    copy_text(text, sizeof text, format, args);
+    keep_message(text);
 }
 
 const char *oo_last_error(void) { return guard.text; }

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from osgode.errors import PhysicsError, StateError, TreeError, shown
 from osgode.fields import Field, Followed, fields_of
 from osgode.graph.node import Group, Node
-from osgode.native import last_error, lib
+from osgode.native import forward_messages, last_error, lib
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -85,6 +85,7 @@ class HasFields:
 
     def _made(self, result: int) -> int:
         if result < 0:
+            forward_messages()
             reason = last_error() if result == lib.OO_ASSERT else "out of memory"
             raise PhysicsError(f"{self.describe()} can't be made: {reason}")
         return result

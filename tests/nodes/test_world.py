@@ -281,6 +281,29 @@ def run_python(code):
     return done.stdout
 
 
+def test_an_assert_inside_a_step_is_logged_in_odes_words():
+    """The error says which body it was; the log says what ODE asserted."""
+    run_python(
+        FAILING_STEP
+        + """
+import logging
+said = []
+class Keep(logging.Handler):
+    def emit(self, record):
+        said.append(record.getMessage())
+logging.getLogger("osgode.ode").addHandler(Keep())
+world, falling, pair = broken()
+world.step()
+assert said == []
+oo.Hinge(*pair, axis=(0, 1, 0))
+lib.dBodySetAngularVel(pair[0]._id, float("nan"), 0, 0)
+with pytest.raises(oo.PhysicsError):
+    world.step()
+assert len(said) == 1 and "assertion" in said[0].lower(), said
+"""
+    )
+
+
 def test_an_assert_inside_a_step_is_an_error_and_the_world_goes_on():
     """NaN is put into ODE behind the library's back: the step raises, and everything goes on from where it was."""
     run_python(
