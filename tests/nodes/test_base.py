@@ -322,6 +322,7 @@ def test_a_move_to_another_world_that_fails_changes_nothing(call, monkeypatch):
     rig = Rig()
     space, _ = loose_space()
     rig.simple.attach(space)
+    rig.simple.attach(oo.Body(name="after it"))
     other = oo.World()
     before = photo(rig.world)
     order = rig.simple.children

@@ -4,7 +4,7 @@ import gc
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import assume, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
@@ -103,7 +103,9 @@ class Machine(RuleBasedStateMachine):
     # -- legal moves
 
     def draw_node(self, data, *kinds):
-        return data.draw(st.sampled_from([node for node in self.known if isinstance(node, kinds)]))
+        some = [node for node in self.known if isinstance(node, kinds)]
+        assume(some)
+        return data.draw(st.sampled_from(some))
 
     def draw_place(self, data, node):
         places = [group for group in self.children if is_legal(node, group)]

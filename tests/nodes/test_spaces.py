@@ -92,7 +92,7 @@ def test_a_nested_space_belongs_to_the_one_around_it(outer, inner, all_pairs):
     world.collide(space)
     world.collide(low)  # declared twice, done once
     for i, node in enumerate(scatter(1)):
-        (space, low, deep)[i % 3].attach(node)
+        (deep, low, space)[i % 3].attach(node)
     assert pairs(world) == all_pairs[1]
     slots = [tuple(sorted((int(row["slot1"]), int(row["slot2"])))) for row in world.contacts]
     runs = [key for key, _ in itertools.groupby(slots)]

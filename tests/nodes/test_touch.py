@@ -336,6 +336,45 @@ def test_a_place_of_a_geom_that_left_is_not_given_away_before_its_end_is_told():
     assert len(slots) <= 4  # they are used again in the end
 
 
+def test_a_listener_may_attach_into_a_place_that_was_just_given_back():
+    """What it attaches is known by that place from then on."""
+    ground = Ground(gravity=(0, 0, 0))
+    resting, leaving = ground.drop(oo.Sphere(0.5)), ground.drop(oo.Sphere(0.5))
+    resting.position = (5, 0.49, 0)
+    slot = leaving.geoms[0]._slot
+    fresh = []
+
+    def attach(touch):
+        if not fresh and ground.world.geom_of_slot(slot) is not None and ground.world.steps == 3:
+            fresh.append(ground.drop(oo.Sphere(0.5, name="fresh")))
+
+    resting.on_touch(attach)
+    ground.world.step()
+    ground.space.detach(leaving)
+    ground.world.step(2)
+    assert fresh[0].geoms[0]._slot == slot
+    assert ground.world.geom_of_slot(slot) is fresh[0].geoms[0]
+    fresh[0].on_touch(ground.hear)
+    ground.world.step(2)
+    assert [(touch.geom.name, touch.state) for touch in ground.heard] == [("fresh", "begin"), ("fresh", "stay")]
+
+
+def test_a_place_is_empty_when_the_end_was_told():
+    """Though somebody still holds the geom that had it."""
+    ground = Ground()
+    body = ground.drop(oo.Sphere(0.5))
+    geom, slot = body.geoms[0], body.geoms[0]._slot
+    assert ground.world.geom_of_slot(slot) is geom
+    ground.world.step()
+    ground.space.detach(body)
+    for _ in range(2):
+        ground.world.step()
+    assert ground.world.geom_of_slot(slot) is None
+    with pytest.raises(oo.FieldError, match="slot is -1"):
+        ground.world.geom_of_slot(-1)
+    assert ground.world.geom_of_slot(10_000) is None
+
+
 def test_slots_do_not_grow_without_bounds():
     ground = Ground()
     for _ in range(50):
