@@ -7,6 +7,7 @@ velocities go through the offset between the two, kept in ``_com``.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any, TypedDict
 
@@ -372,6 +373,6 @@ class BodyState(PhysicsNode):
 
     _index: int
 
+    @abstractmethod
     def _parts_changed(self) -> None:
         """Called when a part came, went, moved, or changed its mass."""
-        raise NotImplementedError

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -168,9 +169,9 @@ class WorldSettings(PhysicsNode):
     )
 
     @property
+    @abstractmethod
     def joints(self) -> Iterable[Joint]:
         """All joints that are in effect."""
-        raise NotImplementedError
 
     def _softened(self) -> None:
         """ODE gives its ERP and CFM to a joint when it is made; here joints follow."""
