@@ -15,7 +15,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"some of {', '.join(KINDS)}; all if none is named")
     parser.add_argument("--scene", action="append", default=[], choices=SCENES, help="for step: this scene alone")
-    parser.add_argument("--turns", type=int, default=40, help="of osgode and C (40)")
+    parser.add_argument("--turns", type=int, default=48, help="of osgode and C (48)")
     parser.add_argument("--install", action="store_true", help="also time pip install . in a copy (slow, downloads)")
     chosen = parser.parse_args()
     if unknown := set(chosen.kinds).difference(KINDS):

@@ -18,7 +18,8 @@ from benchmarks.timing import Spread, Times, fresh, row, turns
 
 AIM = 1.05
 """Times what the C program takes."""
-PROCESSES = 3
+PLACEMENTS = 6
+"""Processes for one scene, each with its heap filled to another degree before the scene is built."""
 
 
 class DifferentBitsError(Exception):
@@ -62,8 +63,9 @@ def compare(scene: Scene, world: oo.World, raw: Raw) -> None:
         )
 
 
-def measure(name: str, turn_count: int) -> None:
+def measure(name: str, turn_count: int, placement: int) -> None:
     """Time both sides in turns, compare where they arrive, and print the times of a turn as JSON."""
+    filling = [bytearray(700) for _ in range(37 * placement)]  # above what Python takes from pools of its own
     scene = SCENES[name]()
     world = scene.world()
     with one_core(), Raw(scene) as raw:
@@ -72,16 +74,18 @@ def measure(name: str, turn_count: int) -> None:
         compare(scene, world, raw)
         times = turns(turn_count, lambda: osgode_steps(world, scene.turn), lambda: raw.step(scene.turn))
         compare(scene, world, raw)
+    del filling
     print(json.dumps(times))
 
 
 def run(turn_count: int, names: list[str]) -> None:
-    """All scenes, or those named, each in several fresh processes: where memory happens to lie makes some percent."""
-    each = math.ceil(turn_count / PROCESSES)
-    print(f"Step: time of osgode / time of C, median and quartiles of {PROCESSES} times {each} turns; the same of the")
+    """All scenes, or those named, each in several processes: where memory happens to lie makes some percent."""
+    each = math.ceil(turn_count / PLACEMENTS)
+    print(f"Step: time of osgode / time of C, median and quartiles of {PLACEMENTS} times {each} turns; the same of the")
     print("processor's time, which leaves out when other programs had it")
     for name in names or SCENES:
-        results = [fresh(f"from benchmarks import speed; speed.measure({name!r}, {each})") for _ in range(PROCESSES)]
+        calls = [f"speed.measure({name!r}, {each}, {placement})" for placement in range(PLACEMENTS)]
+        results = [fresh(f"from benchmarks import speed; {call}") for call in calls]
         pairs = [(Times(*ours), Times(*theirs)) for result in results for ours, theirs in result]
         scene = SCENES[name]()
         ratio = Spread.of([ours.clock / theirs.clock for ours, theirs in pairs])

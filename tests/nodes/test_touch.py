@@ -112,6 +112,30 @@ def test_what_rests_presses_with_its_weight_and_normals_point_to_the_listener(sh
     assert force[1] == pytest.approx(30.0 if first is geom else -30.0, rel=0.02)
 
 
+@pytest.mark.parametrize("kind", [oo.SimpleSpace, oo.HashSpace, oo.QuadTreeSpace, oo.SweepAndPruneSpace])
+@pytest.mark.parametrize("floor_first", [True, False])
+def test_forces_of_contacts_act_on_the_first_geom(kind, floor_first):
+    """Whichever of the two ODE calls the first, and whether it has a body or not; so do the normals."""
+    world = oo.World(gravity=(0, -10, 0), step_size=0.01)
+    space = world.attach(kind())
+    world.collide(space)
+    body = oo.Body(position=(0, 0.499, 0))
+    ball = body.attach(oo.Placeable()).attach(oo.Sphere(0.5, mass=3.0))
+    floor = oo.Box((10, 1, 10))
+    place = oo.Placeable(position=(0, -0.5, 0))
+    place.attach(floor)
+    for node in (place, body) if floor_first else (body, place):
+        space.attach(node)
+    ball.on_touch(lambda touch: None)
+    for _ in range(2):
+        world.step()
+        body.position = (0, 0.499, 0)
+        (row,) = world.contacts
+        up = 1 if world.geom_of_slot(row["slot1"]) is ball else -1
+        assert row["force"][1] * up == pytest.approx(30.0, rel=0.05) or row["force"][1] * up > 30
+        assert row["geom"]["normal"][1] == up
+
+
 def test_both_sides_are_told_each_from_its_own_view():
     ground = Ground()
     body = ground.drop(oo.Sphere(0.5))
