@@ -67,7 +67,7 @@ def test_a_density_is_a_number(density, registry):
     assert "cork" not in materials._materials
 
 
-def test_an_unknown_name_tells_the_known_ones():
+def test_an_unknown_name_tells_the_known_ones(registry):
     with pytest.raises(oo.FieldError, match=r"Box 'it'\.material is 'wod'.*'wood'.*define_material"):
         oo.Box(name="it", material="wod")
     with pytest.raises(oo.FieldError, match=r"Box 'it'\.kind is 'ghost'.*'default'.*define_kind"):

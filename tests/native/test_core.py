@@ -147,6 +147,7 @@ def test_an_assert_while_colliding_breaks_one_world_and_says_so():
         for _ in range(3):
             with pytest.raises(oo.PhysicsError, match="make a new one"):
                 world.step()
+        assert world._realm.ptr.broken
         geom, space = body.geoms[0], body.parent
         for change in (
             lambda: setattr(geom, "material", "ice"),

@@ -1,6 +1,7 @@
 """What listeners are told about touching, and what they may do about it."""
 
 import gc
+import weakref
 
 import numpy as np
 import pytest
@@ -309,9 +310,7 @@ def test_errors_of_listeners_leave_the_step_with_their_names_and_lose_nobody():
     second.on_touch(fail)
     with pytest.raises(ExceptionGroup) as caught:
         ground.world.step(10)
-    assert sorted(str(error) for error in caught.value.exceptions) == ["'first'", "'second'"] or sorted(
-        str(error) for error in caught.value.exceptions
-    ) == ["first", "second"]
+    assert sorted(str(error) for error in caught.value.exceptions) == ["first", "second"]
     assert all(error.__notes__ for error in caught.value.exceptions)
     assert ground.states() == ["begin", "stay"]
     first.remove_on_touch(fail)
@@ -348,10 +347,7 @@ def test_a_place_of_a_geom_that_left_is_not_given_away_before_its_end_is_told():
         slots.add(fresh.geoms[0]._slot)
         ground.heard.clear()
         ground.world.step()
-        assert [(touch.geom.body, touch.state) for touch in ground.heard if touch.end] in (
-            [(body, "end")],
-            [(None, "end")],
-        )
+        assert [(touch.body, touch.state) for touch in ground.heard if touch.end] == [(body, "end")]
         assert [(touch.geom, touch.state) for touch in ground.heard if not touch.end] == [(fresh.geoms[0], "begin")]
         ended = next(touch for touch in ground.heard if touch.end)
         assert ended.geom is body.geoms[0]
@@ -414,12 +410,10 @@ def test_nodes_whose_end_was_told_are_let_go():
     ground.floor.on_touch(lambda touch: None)
     body = ground.drop(oo.Sphere(0.5))
     ground.world.step()
-    import weakref
-
     ref = weakref.ref(body)
     ground.space.detach(body)
     del body
-    ground.world.step(2)
-    ground.world.step()
+    for _ in range(3):
+        ground.world.step()
     gc.collect()
     assert ref() is None

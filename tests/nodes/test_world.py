@@ -309,6 +309,8 @@ def test_an_assert_inside_a_step_is_an_error_and_the_world_goes_on():
     run_python(
         FAILING_STEP
         + """
+import gc
+from osgode.native import last_error
 other, reference = heap(), heap()
 for solver in ("quick", "exact"):
     world, falling, pair = broken(solver=solver)
@@ -341,6 +343,12 @@ for solver in ("quick", "exact"):
         assert ((geom, met) in touching) == (state != "begin"), state
         (touching.discard if state == "end" else touching.add)((geom, met))
     assert touching
+    assert "Normalize" in last_error()
+    asserted = last_error()
+    del world, falling, pair, body, joint
+    gc.collect()
+    assert oo.live_natives().worlds == 2
+    assert last_error() == asserted  # all of it can be freed
 reference.step(80)
 assert bits(other) == bits(reference)
 """
