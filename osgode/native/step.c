@@ -1,0 +1,279 @@
+/* One step of a World, and what it exports in bulk. */
+
+#include "internal.h"
+
+static pthread_mutex_t mesh_lock = PTHREAD_MUTEX_INITIALIZER;
+static __thread int holds_mesh_lock;
+
+static void lock_meshes(int wanted) {
+    if (wanted == holds_mesh_lock) return;
+    if (wanted)
+        pthread_mutex_lock(&mesh_lock);
+    else
+        pthread_mutex_unlock(&mesh_lock);
+    holds_mesh_lock = wanted;
+}
+
+static int usable(const dContactGeom *c) {
+    double sum = c->pos[0] + c->pos[1] + c->pos[2] + c->depth;
+    double normal = c->normal[0] * c->normal[0] + c->normal[1] * c->normal[1] + c->normal[2] * c->normal[2];
+    return isfinite(sum) && normal > 0.5 && normal < 2.0;
+}
+
+static void note_touch(oo_world *w, unsigned int slot1, unsigned int slot2, unsigned int first, unsigned int count) {
+    if (reserve(&w->touching, &w->touching_capacity, w->touching_count + 1, sizeof *w->touching)) {
+        w->out_of_memory = 1;
+        return;
+    }
+    oo_touch *touch = &w->touching[w->touching_count++];
+    *touch = (oo_touch){.slot1 = slot1 < slot2 ? slot1 : slot2,
+                        .slot2 = slot1 < slot2 ? slot2 : slot1,
+                        .first = first,
+                        .count = count};
+}
+
+static void on_near(void *data, dGeomID g1, dGeomID g2) {
+    oo_world *w = data;
+    if (dGeomIsSpace(g1) || dGeomIsSpace(g2)) {
+        dSpaceCollide2(g1, g2, data, on_near);
+        return;
+    }
+    unsigned int slot1 = (unsigned int)(size_t)dGeomGetData(g1), slot2 = (unsigned int)(size_t)dGeomGetData(g2);
+    const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
+    if (!(a->category & b->collide) || !(b->category & a->collide)) return;
+    dBodyID body1 = dGeomGetBody(g1), body2 = dGeomGetBody(g2);
+    if (!body1 && !body2) return;
+    if (body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact)) return;
+    if (a->flags & b->flags & OO_IS_CYLINDER && slot2 < slot1) { /* ODE's depth depends on the order of two cylinders */
+        dGeomID g = g1;
+        g1 = g2;
+        g2 = g;
+        unsigned int slot = slot1;
+        slot1 = slot2;
+        slot2 = slot;
+        a = &w->geoms[slot1];
+        b = &w->geoms[slot2];
+    }
+    unsigned int first = w->contact_count;
+    if (reserve(&w->contacts, &w->contact_capacity, first + w->max_contacts, sizeof *w->contacts)) {
+        w->out_of_memory = 1;
+        return;
+    }
+
+    lock_meshes(((a->flags | b->flags) & OO_IS_MESH) != 0);
+    int found = dCollide(g1, g2, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
+    lock_meshes(0);
+
+    unsigned int surface = a->surface ? a->surface : b->surface;
+    if (a->surface && b->surface && w->surfaces[b->surface].mu < w->surfaces[a->surface].mu) surface = b->surface;
+    if (!surface) surface = MATERIALS * a->material + b->material;
+    unsigned int kept = first;
+    for (unsigned int i = first; i < first + (unsigned int)found; i++) {
+        if (!usable(&w->contacts[i].geom)) continue; /* ODE gives NaN for a sphere centred on a cylinder, among others */
+        oo_contact *row = &w->contacts[kept];
+        if (kept != i) row->geom = w->contacts[i].geom;
+        row->slot1 = slot1;
+        row->slot2 = slot2;
+        row->surface = surface;
+        row->feedback = -1;
+        row->force[0] = row->force[1] = row->force[2] = 0;
+        kept++;
+    }
+    w->contact_count = kept;
+    if (kept > first && (a->flags | b->flags) & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
+}
+
+/* A slot that was retired before the last step is named by no contact, touch or event any longer. */
+static void recycle_slots(oo_world *w) {
+    for (unsigned int i = 0; i < w->retired_ripe; i++) w->free_slots[w->free_count++] = w->retired_slots[i];
+    w->retired_count -= w->retired_ripe;
+    memmove(w->retired_slots, w->retired_slots + w->retired_ripe, w->retired_count * sizeof *w->retired_slots);
+    w->retired_ripe = w->retired_count;
+}
+
+static int collide(oo_world *w) {
+    if (guard_enter()) { /* the space that was being walked stays locked for good */
+        lock_meshes(0);
+        w->broken = 1;
+        return OO_BROKEN;
+    }
+    w->contact_count = w->event_count = w->touching_count = 0;
+    w->out_of_memory = 0;
+    for (unsigned int i = 0; i < w->pair_count; i++) {
+        if (w->pairs[i].other)
+            dSpaceCollide2((dGeomID)w->pairs[i].space, (dGeomID)w->pairs[i].other, w, on_near);
+        else
+            dSpaceCollide(w->pairs[i].space, w, on_near);
+    }
+    guard_leave();
+    return w->out_of_memory ? OO_NO_MEMORY : OO_OK;
+}
+
+static int respond(oo_world *w) {
+    unsigned int listened = 0;
+    for (unsigned int i = 0; i < w->touching_count; i++) listened += w->touching[i].count;
+    if (reserve(&w->feedback, &w->feedback_capacity, listened, sizeof *w->feedback)) return OO_NO_MEMORY;
+    w->feedback_count = 0;
+    for (unsigned int i = 0; i < w->touching_count; i++)
+        for (unsigned int k = 0; k < w->touching[i].count; k++)
+            w->contacts[w->touching[i].first + k].feedback = (int)w->feedback_count++;
+    if (guard_enter()) return OO_ASSERT;
+    dContact contact;
+    memset(&contact, 0, sizeof contact);
+    for (unsigned int i = 0; i < w->contact_count; i++) {
+        oo_contact *row = &w->contacts[i];
+        contact.surface = w->surfaces[row->surface];
+        contact.geom = row->geom;
+        dJointID joint = dJointCreateContact(w->id, w->contact_group, &contact);
+        dJointAttach(joint, dGeomGetBody(row->geom.g1), dGeomGetBody(row->geom.g2));
+        if (row->feedback >= 0) dJointSetFeedback(joint, &w->feedback[row->feedback]);
+    }
+    guard_leave();
+    return OO_OK;
+}
+
+static int integrate(oo_world *w) {
+    int done;
+    random_begin(w);
+    if (guard_enter()) {
+        done = OO_ASSERT;
+    } else {
+        done = (w->exact ? dWorldStep(w->id, w->step_size) : dWorldQuickStep(w->id, w->step_size)) ? OO_OK : OO_NO_MEMORY;
+        guard_leave();
+    }
+    random_end(w);
+    /* After an assert the implementation is left in the middle of its work: a fresh one takes its place, and
+       the old one is leaked on purpose (about 66 kB). */
+    if (done == OO_ASSERT) use_own_threading(w);
+    return done;
+}
+
+static int out_of_bounds(dBodyID id) {
+    const dReal *p = dBodyGetPosition(id), *v = dBodyGetLinearVel(id), *a = dBodyGetAngularVel(id);
+    const dReal *q = dBodyGetQuaternion(id);
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(p[k]) <= POSITION_LIMIT && fabs(v[k]) <= VELOCITY_LIMIT && fabs(a[k]) <= VELOCITY_LIMIT)) return 1;
+    return !isfinite(q[0] + q[1] + q[2] + q[3]);
+}
+
+static void find_bad_body(oo_world *w) {
+    w->bad_body = -1;
+    for (unsigned int i = 0; i < w->body_count && w->bad_body < 0; i++)
+        if (out_of_bounds(w->bodies[i].id)) w->bad_body = (int)i;
+}
+
+void oo_export_velocities(const oo_world *w, double *out) {
+    for (unsigned int i = 0; i < w->body_count; i++, out += 6) {
+        const oo_body *body = &w->bodies[i];
+        const dReal *r = dBodyGetRotation(body->id), *v = dBodyGetLinearVel(body->id), *a = dBodyGetAngularVel(body->id);
+        double arm[3];
+        for (int k = 0; k < 3; k++)
+            arm[k] = r[4 * k] * body->com[0] + r[4 * k + 1] * body->com[1] + r[4 * k + 2] * body->com[2];
+        /* v_frame = v_centre - w x arm */
+        out[0] = v[0] - (a[1] * arm[2] - a[2] * arm[1]);
+        out[1] = v[1] - (a[2] * arm[0] - a[0] * arm[2]);
+        out[2] = v[2] - (a[0] * arm[1] - a[1] * arm[0]);
+        memcpy(out + 3, a, 3 * sizeof *out);
+    }
+}
+
+static int compare_pairs(const oo_touch *a, const oo_touch *b) {
+    if (a->slot1 != b->slot1) return a->slot1 < b->slot1 ? -1 : 1;
+    return a->slot2 < b->slot2 ? -1 : a->slot2 > b->slot2;
+}
+
+static int by_slots(const void *a, const void *b) { return compare_pairs(a, b); }
+
+static int add_event(oo_world *w, const oo_touch *touch, int state) {
+    if (reserve(&w->events, &w->event_capacity, w->event_count + 1, sizeof *w->events)) return OO_NO_MEMORY;
+    w->events[w->event_count] = *touch;
+    w->events[w->event_count].state = state;
+    w->event_count++;
+    return OO_OK;
+}
+
+/* What touches now is what the next step compares with. Only here, at the end of a step that was done: one that
+   fails leaves everything as the last one left it. */
+static void keep_touches(oo_world *w) {
+    oo_touch *last = w->touched;
+    unsigned int capacity = w->touched_capacity;
+    w->touched = w->touching;
+    w->touched_count = w->touching_count;
+    w->touched_capacity = w->touching_capacity;
+    w->touching = last;
+    w->touching_capacity = capacity;
+    w->touching_count = 0;
+    recycle_slots(w);
+}
+
+/* Forces into the listened rows, and this step's listened pairs against the last step's. */
+static int compare_touches(oo_world *w) {
+    for (unsigned int i = 0; i < w->touching_count; i++) {
+        oo_touch *touch = &w->touching[i];
+        for (unsigned int k = touch->first; k < touch->first + touch->count; k++) {
+            oo_contact *row = &w->contacts[k];
+            const dReal *force = w->feedback[row->feedback].f1;
+            /* f1 is what acts on the first body that there is: on that of geom 2 where geom 1 is static */
+            double sign = dGeomGetBody(row->geom.g1) ? 1.0 : -1.0;
+            for (int c = 0; c < 3; c++) row->force[c] = sign * force[c];
+            touch->impulse += sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]) * w->step_size;
+        }
+    }
+    if (w->touching_count) qsort(w->touching, w->touching_count, sizeof *w->touching, by_slots);
+    unsigned int now = 0, last = 0;
+    while (now < w->touching_count || last < w->touched_count) {
+        const oo_touch *a = now < w->touching_count ? &w->touching[now] : NULL;
+        const oo_touch *b = last < w->touched_count ? &w->touched[last] : NULL;
+        int order = !a ? 1 : !b ? -1 : compare_pairs(a, b);
+        if (order > 0) { /* only then: it has ended, and the rows it had are gone */
+            oo_touch gone = *b;
+            gone.first = gone.count = 0;
+            gone.impulse = 0;
+            if (add_event(w, &gone, OO_END)) return OO_NO_MEMORY;
+            last++;
+        } else {
+            if (add_event(w, a, order ? OO_BEGIN : OO_STAY)) return OO_NO_MEMORY;
+            now++;
+            if (!order) last++;
+        }
+    }
+    keep_touches(w);
+    return OO_OK;
+}
+
+/* After an assert in the middle of ODE's step: gravity is in the accumulators already and must not act twice, and
+   the body that caused it is to be named. */
+static void clean_up(oo_world *w) {
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        dBodySetForce(w->bodies[i].id, 0, 0, 0);
+        dBodySetTorque(w->bodies[i].id, 0, 0, 0);
+    }
+    find_bad_body(w);
+}
+
+int oo_run(oo_world *w, unsigned int count) {
+    unsigned int done = 0;
+    if (w->broken) return OO_BROKEN;
+    if (w->bad_body >= 0) find_bad_body(w);
+    if (w->bad_body >= 0) return OO_BAD_BODY;
+    dAllocateODEDataForThread(dAllocateMaskAll);
+    while (done < count) {
+        int status = collide(w);
+        if (status == OO_OK) status = respond(w);
+        if (status == OO_OK) {
+            status = integrate(w);
+            if (status == OO_ASSERT) clean_up(w);
+        }
+        if (status == OO_OK) status = compare_touches(w);
+        dJointGroupEmpty(w->contact_group);
+        if (status != OO_OK) return status;
+        memcpy(w->previous, w->poses, 7 * sizeof(double) * w->body_count);
+        for (unsigned int i = 0; i < w->body_count; i++) write_pose(&w->bodies[i], w->poses + 7 * i);
+        w->steps++;
+        done++;
+        find_bad_body(w);
+        if (w->bad_body >= 0) return OO_BAD_BODY;
+        if (w->event_count) break;
+    }
+    return (int)done;
+}
