@@ -5,6 +5,7 @@ from osgode.errors import (
     MissingExtraError,
     ModelError,
     OsgodeError,
+    ParameterError,
     PhysicsError,
     StateError,
     TreeError,
@@ -22,9 +23,18 @@ from osgode.graph.transforms import MatrixTransform, PositionAttitudeTransform, 
 from osgode.graph.visitors import UpdateVisitor, Visitor
 from osgode.joints.ball import Ball
 from osgode.joints.base import Joint
+from osgode.joints.double import DoubleBall, DoubleHinge
+from osgode.joints.events import LetGo, Reaction
 from osgode.joints.fixed import Fixed
 from osgode.joints.hinge import Hinge
+from osgode.joints.hinge2 import Hinge2
+from osgode.joints.motors import AngularMotor, LinearMotor
+from osgode.joints.plane2d import Plane2D
+from osgode.joints.servo import Servo
 from osgode.joints.slider import Slider
+from osgode.joints.sliding import PR, PU, Piston
+from osgode.joints.transmission import Transmission
+from osgode.joints.universal import Universal
 from osgode.mass import Mass
 from osgode.materials import PUBLISHED, Surface, SurfaceTable, define_kind, define_material
 from osgode.maths import Pose, Quat, QuatLike, Vec3, Vec3Like, look_at
@@ -44,7 +54,10 @@ from osgode.nodes.world import World
 __version__ = "0.1.0"
 
 __all__ = [
+    "PR",
+    "PU",
     "PUBLISHED",
+    "AngularMotor",
     "Appearance",
     "Ball",
     "Bin",
@@ -53,6 +66,8 @@ __all__ = [
     "Capsule",
     "CullVisitor",
     "Cylinder",
+    "DoubleBall",
+    "DoubleHinge",
     "Drawable",
     "Drawer",
     "FieldError",
@@ -62,8 +77,11 @@ __all__ = [
     "Group",
     "HashSpace",
     "Hinge",
+    "Hinge2",
     "Joint",
     "Leaf",
+    "LetGo",
+    "LinearMotor",
     "Mass",
     "MatrixTransform",
     "Mesh",
@@ -73,16 +91,21 @@ __all__ = [
     "ModelError",
     "Node",
     "OsgodeError",
+    "ParameterError",
     "PhysicsError",
     "PhysicsNode",
+    "Piston",
     "Placeable",
     "Plane",
+    "Plane2D",
     "Pose",
     "PositionAttitudeTransform",
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
+    "Reaction",
     "Rectangle",
+    "Servo",
     "SimpleSpace",
     "Sky",
     "Slider",
@@ -98,8 +121,10 @@ __all__ = [
     "Texture",
     "Touch",
     "Transform",
+    "Transmission",
     "TreeError",
     "Trimesh",
+    "Universal",
     "UpdateVisitor",
     "Vec3",
     "Vec3Like",

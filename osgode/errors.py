@@ -24,6 +24,10 @@ class FieldError(OsgodeError, ValueError):
     """A value is not one that its attribute may have; nothing was changed."""
 
 
+class ParameterError(FieldError, AttributeError):
+    """A joint was asked for a parameter, anchor or axis that its kind hasn't got."""
+
+
 class StateError(OsgodeError, RuntimeError):
     """The call is right but not now: a node is out of its World, or the World is inside a step."""
 

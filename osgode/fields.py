@@ -139,7 +139,7 @@ class Field(Generic[ValueT, InputT]):
         if not self.after:
             self._put(node, value)
             return
-        old = self.__get__(node, type(node))
+        old = self.own(node)
         self._put(node, value)
         try:
             getattr(node, self.after)()

@@ -15,6 +15,7 @@ from typing import Any
 from osgode.errors import FieldError, shown
 from osgode.fields import Check, choice, number
 from osgode.native import ffi, lib
+from osgode.springs import implicit
 
 LIMIT = 16
 ALL_BITS = 0xFFFFFFFF
@@ -155,6 +156,8 @@ class Surface:
         bounce_velocity: m/s below which nothing bounces, so that things come to rest.
         slip: sideways speed per force, m/(s N): wet surfaces, tyres.
         soft_erp, soft_cfm: softness of the contact, the World's where None.
+        stiffness, damping: the same as a spring in N/m with a damper in N s/m at each contact point, instead of
+            soft_erp and soft_cfm; the World's step size is taken into account.
         rolling_friction: metres: the arm of the torque that brakes rolling (per newton of load).
         model: "pyramid" (friction grows with the load, along ODE's two tangents) or "force limit".
         source: where the figures come from.
@@ -169,6 +172,8 @@ class Surface:
     slip: float = 0.0
     soft_erp: float | None = None
     soft_cfm: float | None = None
+    stiffness: float | None = None
+    damping: float | None = None
     rolling_friction: float = 0.0
     model: str = "pyramid"
     source: str = ""
@@ -183,14 +188,27 @@ class Surface:
             self._within("soft_erp", 0.0, 1.0)
         if self.soft_cfm is not None:
             self._within("soft_cfm", 1e-12, 1e6)
+        for name in ("stiffness", "damping"):
+            if getattr(self, name) is not None:
+                self._within(name, 0.0, 1e15)
+        if self.spring is not None and not (self.soft_erp is self.soft_cfm is None):
+            raise FieldError("Surface: give either stiffness and damping, or soft_erp and soft_cfm")
+        if self.spring == (0.0, 0.0):
+            raise FieldError("Surface: stiffness and damping are both 0; one of them must be above 0")
         choice("pyramid", "force limit")("Surface", "model", self.model)
 
     def _within(self, name: str, low: float, high: float) -> None:
         value = number(low, high, infinite=True)("Surface", name, getattr(self, name))
         object.__setattr__(self, name, value)
 
-    def row(self) -> Any:
-        """The surface as ODE reads it."""
+    @property
+    def spring(self) -> tuple[float, float] | None:
+        """Stiffness and damping, None if it has neither."""
+        given = self.stiffness is not None or self.damping is not None
+        return (self.stiffness or 0.0, self.damping or 0.0) if given else None
+
+    def row(self, step_size: float) -> Any:
+        """The surface as ODE reads it, for a World of that step size."""
         mode = lib.dContactApprox1 if self.model == "pyramid" else lib.dContactApprox0
         row = ffi.new("dSurfaceParameters *")
         row.mu = self.friction
@@ -200,12 +218,13 @@ class Surface:
         if self.slip > 0.0:
             mode |= lib.dContactSlip1 | lib.dContactSlip2
             row.slip1 = row.slip2 = self.slip
-        if self.soft_erp is not None:
+        erp, cfm = (self.soft_erp, self.soft_cfm) if self.spring is None else implicit(*self.spring, step_size)
+        if erp is not None:
             mode |= lib.dContactSoftERP
-            row.soft_erp = self.soft_erp
-        if self.soft_cfm is not None:
+            row.soft_erp = erp
+        if cfm is not None:
             mode |= lib.dContactSoftCFM
-            row.soft_cfm = self.soft_cfm
+            row.soft_cfm = cfm
         if self.rolling_friction > 0.0:
             mode |= lib.dContactRolling
             row.rho = row.rho2 = row.rhoN = self.rolling_friction

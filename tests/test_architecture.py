@@ -16,6 +16,7 @@ ORDER = [
     "maths",
     "native",
     "fields",
+    "springs",
     "mass",
     "materials",
     "scheduler",

@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TypedDict, Unpack
+from typing import Unpack
 
-from osgode.joints.base import Anchored
-from osgode.joints.limits import CFM, ERP, softness
+from osgode.joints.anchored import Anchored, origin_of
+from osgode.joints.base import JointFields
+from osgode.joints.limits import SpringFields, spring_fields
 from osgode.maths import Vec3Like
 from osgode.native import lib
 from osgode.nodes.body import Body
 
 
-class BallFields(TypedDict, total=False):
+class BallFields(JointFields, SpringFields):
     """The keyword arguments of `Ball` beside its anchor."""
-
-    enabled: bool
-    erp: float | None
-    cfm: float | None
 
 
 class Ball(Anchored):
-    """Holds a point of one body to a point of the other; they turn freely about it."""
+    """Holds a point of one body to a point of the other; they turn freely about it.
+
+    Args:
+        body1: the first body.
+        body2: the second body, None for the static world.
+        anchor: a point of the world, metres; the origin of ``body1`` if not given.
+    """
 
     KIND = lib.OO_BALL
-    _GET_ANCHOR = staticmethod(lib.dJointGetBallAnchor)
-    _GET_ANCHOR2 = staticmethod(lib.dJointGetBallAnchor2)
-    _GET_PARAM = staticmethod(lib.dJointGetBallParam)
-    _SET_PARAM = staticmethod(lib.dJointSetBallParam)
 
-    erp = softness(lib.dParamERP, lib.dWorldGetERP, ERP, doc="The part of the error that is corrected in one step.")
-    cfm = softness(lib.dParamCFM, lib.dWorldGetCFM, CFM, doc="How soft the joint is.")
+    erp, cfm, stiffness, damping = spring_fields((lib.dParamERP, lib.dParamCFM), ("", ""), "the joint", turning=False)
 
     def __init__(
         self,
@@ -40,7 +38,5 @@ class Ball(Anchored):
         name: str = "",
         **fields: Unpack[BallFields],
     ) -> None:
-        super().__init__(body1, body2, anchor=anchor, name=name, **fields)
-
-    def _anchor_native(self) -> None:
-        lib.dJointSetBallAnchor(self._id, *self._anchor)
+        spots = {"anchor": origin_of(body1) if anchor is None else anchor}
+        super().__init__(body1, body2, name=name, spots=spots, **fields)

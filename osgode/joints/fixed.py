@@ -2,45 +2,54 @@
 
 from __future__ import annotations
 
-from typing import TypedDict, Unpack
+from typing import Unpack
 
-from osgode.joints.base import Joint
-from osgode.joints.limits import CFM, ERP, softness
+from osgode.joints.anchored import Anchored, origin_of
+from osgode.joints.base import JointFields
+from osgode.joints.limits import SpringFields, spring_fields
+from osgode.maths import Vec3Like
 from osgode.native import lib
 from osgode.nodes.body import Body
 
 
-class FixedFields(TypedDict, total=False):
+class FixedFields(JointFields, SpringFields):
     """The keyword arguments of `Fixed`."""
 
-    enabled: bool
-    erp: float | None
-    cfm: float | None
 
-
-class Fixed(Joint):
+class Fixed(Anchored):
     """Holds two bodies as they stand to each other.
 
     One body with several parts is stiffer and faster than several bodies fixed together; use this for what may
     come apart.
+
+    Args:
+        body1: the first body.
+        body2: the second body, None for the static world.
+        anchor: where the seam is, a point of the world in metres: the torque that breaks it is taken there; the origin
+            of ``body1`` if not given.
     """
 
     KIND = lib.OO_FIXED
-    _GET_PARAM = staticmethod(lib.dJointGetFixedParam)
-    _SET_PARAM = staticmethod(lib.dJointSetFixedParam)
 
-    erp = softness(lib.dParamERP, lib.dWorldGetERP, ERP, doc="The part of the error that is corrected in one step.")
-    cfm = softness(lib.dParamCFM, lib.dWorldGetCFM, CFM, doc="How soft the joint is.")
+    erp, cfm, stiffness, damping = spring_fields((lib.dParamERP, lib.dParamCFM), ("", ""), "the joint", turning=False)
 
     def __init__(
-        self, body1: Body, body2: Body | None = None, *, name: str = "", **fields: Unpack[FixedFields]
+        self,
+        body1: Body,
+        body2: Body | None = None,
+        *,
+        anchor: Vec3Like | None = None,
+        name: str = "",
+        **fields: Unpack[FixedFields],
     ) -> None:
-        super().__init__(body1, body2, name=name, **fields)
+        spots = {"anchor": origin_of(body1) if anchor is None else anchor}
+        super().__init__(body1, body2, name=name, spots=spots, **fields)
 
     def fix(self) -> None:
         """Hold the bodies as they stand to each other now."""
-        with self._anchoring():
-            self._rest_anew()
+        self.anchor_anew()
 
-    def _anchor_native(self) -> None:
-        lib.dJointSetFixed(self._id)
+    @property
+    def angular_error(self) -> float:
+        """By what angle the bodies are turned against each other since they were fixed, radians."""
+        return self._turned()

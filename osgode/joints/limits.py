@@ -1,4 +1,7 @@
-"""Stops and motors: the fields that joints with a degree of freedom share."""
+"""Springs, stops and motors: the fields that joints share.
+
+Parameters of a second and third axis have the numbers of the first plus 0x100 and 0x200, as in ODE.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,19 @@ from collections.abc import Callable
 from typing import Any, TypedDict
 
 from osgode.errors import FieldError
-from osgode.fields import SMALLEST, Check, Field, Followed, NumberField, number
+from osgode.fields import SMALLEST, Check, Field, Followed, NumberField, number, optional
 from osgode.joints.base import Joint
 from osgode.native import lib
+from osgode.springs import implicit
 
 Stops = tuple[float, float] | None
+OptionalNumber = Field[float | None, float | None]
 
 STRONGEST_AT_STOP = 1e9
 """N or N m: at a stop ODE adds the motor's force to the loads, and the stop gives way by force * CFM * step size."""
+
+ERP: Check[float] = number(0.0, 1.0)
+CFM: Check[float] = number(SMALLEST, 1e6)
 
 
 def param(
@@ -24,44 +32,118 @@ def param(
     return NumberField(
         default,
         check,
-        lambda joint: joint._GET_PARAM(joint._id, code),
-        lambda joint, value: joint._SET_PARAM(joint._id, code, value),
+        lambda joint: joint._param(code),
+        lambda joint, value: joint._set_param(code, value),
         after=after,
         unit=unit,
         doc=doc,
     )
 
 
-def softness(code: int, getter: Callable[[Any], float], check: Check[float], *, doc: str = "") -> Followed:
-    """A field for a joint parameter that ODE takes from the World when the joint is made."""
-    return Followed(
-        check,
-        lambda joint: joint._GET_PARAM(joint._id, code),
-        lambda joint, value: joint._SET_PARAM(joint._id, code, value),
-        lambda joint, _: getter(joint._realm.ptr.id),
-        doc=doc,
+class Softness(Followed):
+    """ERP or CFM: its own value, or that of the spring it belongs to, or the World's.
+
+    Args:
+        code: ODE's parameter.
+        of_world: "erp" or "cfm".
+        spring: what stands before and after "stiffness" in the names of the spring's fields, None if there is none.
+        doc: one sentence for the reference.
+    """
+
+    def __init__(self, code: int, of_world: str, spring: tuple[str, str] | None, doc: str) -> None:
+        self.of_world = of_world
+        self.spring = spring
+        super().__init__(
+            ERP if of_world == "erp" else CFM,
+            lambda joint: joint._param(code),
+            lambda joint, value: joint._set_param(code, value),
+            lambda joint, _: self._from_spring(joint),
+            doc=doc,
+        )
+        self.after = "_sprung" if spring is not None else ""
+
+    def _from_spring(self, joint: Any) -> float:
+        realm = joint._realm
+        spring = None if self.spring is None else joint._spring(*self.spring)
+        if spring is not None:
+            erp, cfm = implicit(spring[0], spring[1], realm.ptr.step_size)
+            return erp if self.of_world == "erp" else cfm
+        get: Callable[[Any], float] = lib.dWorldGetERP if self.of_world == "erp" else lib.dWorldGetCFM
+        return get(realm.ptr.id)
+
+
+def spring_fields(
+    codes: tuple[int, int], place: tuple[str, str], what: str, *, turning: bool
+) -> tuple[Softness, Softness, OptionalNumber, OptionalNumber]:
+    """The fields erp, cfm, stiffness and damping of something that gives way.
+
+    Args:
+        codes: ODE's parameters of ERP and CFM.
+        place: what stands before and after these names in the names of the fields.
+        what: it is, for the reference.
+        turning: whether it gives way in angles.
+    """
+    stiff, damp = ("N m/rad", "N m s/rad") if turning else ("N/m", "N s/m")
+    instead = "instead of " + " and ".join(f"{place[0]}{name}{place[1]}" for name in ("erp", "cfm"))
+    return (
+        Softness(codes[0], "erp", place, f"The part of the error of {what} that is corrected in one step."),
+        Softness(codes[1], "cfm", place, f"How soft {what} is: speed that it gives way with per force, 1/(N s/m)."),
+        Field(None, optional(number(0.0, 1e15)), after="_sprung", unit=stiff, doc=f"Of {what} as a spring, {instead}."),
+        Field(None, optional(number(0.0, 1e15)), after="_sprung", unit=damp, doc=f"Of {what}, with its stiffness."),
     )
 
 
-ERP: Check[float] = number(0.0, 1.0)
-CFM: Check[float] = number(SMALLEST, 1e6)
+def motor_fields(group: int, turning: bool) -> tuple[NumberField, NumberField, Softness]:
+    """The fields motor_velocity, motor_max_force and cfm of one axis."""
+    code = 0x100 * group
+    speed, force = ("rad/s", "N m") if turning else ("m/s", "N")
+    return (
+        param(
+            code + lib.dParamVel, 0.0, number(-1e9, 1e9), after="_driven", unit=speed, doc="Which the motor aims at."
+        ),
+        param(
+            code + lib.dParamFMax,
+            0.0,
+            number(0.0, math.inf, infinite=True),
+            after="_driven",
+            unit=force,
+            doc=f"What the motor may use; 0: no motor. With stops at most {STRONGEST_AT_STOP:g}.",
+        ),
+        Softness(code + lib.dParamCFM, "cfm", None, "How soft the motor is."),
+    )
 
 
-def _read_stops(joint: Any) -> Stops:
-    low, high = joint._GET_PARAM(joint._id, lib.dParamLoStop), joint._GET_PARAM(joint._id, lib.dParamHiStop)
-    return None if low == -math.inf else (low, high)
+def stop_fields(
+    group: int, after: str, turning: bool
+) -> tuple[NumberField, Softness, Softness, OptionalNumber, OptionalNumber, NumberField]:
+    """The fields stop_bounce, stop_erp, stop_cfm, stop_stiffness, stop_damping and fudge_factor of one axis."""
+    code = 0x100 * group
+    return (
+        param(code + lib.dParamBounce, 0.0, number(0.0, 1.0), doc="Part of the speed that comes back from a stop."),
+        *spring_fields(
+            (code + lib.dParamStopERP, code + lib.dParamStopCFM), ("stop_", after), "the stops", turning=turning
+        ),
+        param(
+            code + lib.dParamFudgeFactor,
+            1.0,
+            number(0.0, 1.0),
+            doc="Part of the motor's force with which it leaves a stop, against jumping off it.",
+        ),
+    )
 
 
-def stops_field(limit: float, unlimited: float, unit: str, doc: str) -> Field[Stops, Stops]:
-    """The low and high stop.
+def stops_field(limit: float, unlimited: float, unit: str, doc: str, group: int = 0) -> Field[Stops, Stops]:
+    """The low and high stop of one axis.
 
     Args:
         limit: what both must lie within.
-        unit: for the reference.
-        doc: for the reference.
         unlimited: the high stop that means none (the low one is -inf). For a hinge pi: with inf, a stop that is
             taken away while the hinge is at it leaves ODE with a wrong count of rows.
+        unit: for the reference.
+        doc: for the reference.
+        group: of ODE's parameters.
     """
+    low_code, high_code = 0x100 * group + lib.dParamLoStop, 0x100 * group + lib.dParamHiStop
 
     def convert(value: Any) -> tuple[float, float]:
         low, high = (number(-limit, limit).convert(v) for v in value)
@@ -69,68 +151,124 @@ def stops_field(limit: float, unlimited: float, unit: str, doc: str) -> Field[St
             raise ValueError
         return low, high
 
+    def read(joint: Any) -> Stops:
+        low, high = joint._param(low_code), joint._param(high_code)
+        return None if math.isinf(low) or math.isinf(high) else (low, high)
+
     def write(joint: Any, value: Stops) -> None:
         low, high = (-math.inf, unlimited) if value is None else value
         # ODE ignores a low stop above the high one, so the range is opened first.
-        joint._SET_PARAM(joint._id, lib.dParamLoStop, -math.inf)
-        joint._SET_PARAM(joint._id, lib.dParamHiStop, high)
-        joint._SET_PARAM(joint._id, lib.dParamLoStop, low)
+        joint._set_param(low_code, -math.inf)
+        joint._set_param(high_code, high)
+        joint._set_param(low_code, low)
 
     words = f"two numbers (low, high) from {-limit:g} to {limit:g}, the lower first, or None"
     check: Check[Stops] = Check(words, lambda value: None if value is None else convert(value))
-    return Field(None, check, _read_stops, write, after="_driven", unit=unit, doc=doc)
+    return Field(None, check, read, write, after="_driven", unit=unit, doc=doc)
+
+
+class SpringFields(TypedDict, total=False):
+    """The keyword arguments of joints that give way as a whole."""
+
+    erp: float | None
+    cfm: float | None
+    stiffness: float | None
+    damping: float | None
 
 
 class LimotFields(TypedDict, total=False):
-    """The keyword arguments of joints with one degree of freedom."""
+    """The keyword arguments of the only axis of a joint."""
 
-    enabled: bool
     stops: Stops
     stop_bounce: float
     stop_erp: float | None
     stop_cfm: float | None
+    stop_stiffness: float | None
+    stop_damping: float | None
     motor_velocity: float
     motor_max_force: float
     fudge_factor: float
     cfm: float | None
 
 
-class Limot(Joint):
-    """Fields of a joint with one degree of freedom: its stops ("limits") and its motor."""
+class Limot1Fields(TypedDict, total=False):
+    """The keyword arguments of the first of several axes."""
 
-    motor_velocity = param(
-        lib.dParamVel, 0.0, number(-1e9, 1e9), after="_wake", doc="Which the motor aims at, rad/s or m/s."
-    )
-    motor_max_force = param(
-        lib.dParamFMax,
-        0.0,
-        number(0.0, math.inf, infinite=True),
-        after="_driven",
-        doc=f"What it may use for that, N m or N; 0: no motor. With stops at most {STRONGEST_AT_STOP:g}.",
-    )
-    stop_bounce = param(lib.dParamBounce, 0.0, number(0.0, 1.0), doc="Part of the speed that comes back from a stop.")
-    stop_erp = softness(
-        lib.dParamStopERP, lib.dWorldGetERP, ERP, doc="The part of the error at a stop that is corrected in one step."
-    )
-    stop_cfm = softness(lib.dParamStopCFM, lib.dWorldGetCFM, CFM, doc="How soft the stops are.")
-    fudge_factor = param(
-        lib.dParamFudgeFactor, 1.0, number(0.0, 1.0), doc="Less of the motor's force at a stop, against jumping off it."
-    )
-    cfm = softness(lib.dParamCFM, lib.dWorldGetCFM, CFM, doc="How soft the motor is.")
+    stops1: Stops
+    stop_bounce1: float
+    stop_erp1: float | None
+    stop_cfm1: float | None
+    stop_stiffness1: float | None
+    stop_damping1: float | None
+    motor_velocity1: float
+    motor_max_force1: float
+    fudge_factor1: float
+    cfm1: float | None
 
-    stops: Any
+
+class Limot2Fields(TypedDict, total=False):
+    """The keyword arguments of the second of several axes."""
+
+    stops2: Stops
+    stop_bounce2: float
+    stop_erp2: float | None
+    stop_cfm2: float | None
+    stop_stiffness2: float | None
+    stop_damping2: float | None
+    motor_velocity2: float
+    motor_max_force2: float
+    fudge_factor2: float
+    cfm2: float | None
+
+
+class Limot3Fields(TypedDict, total=False):
+    """The keyword arguments of the third axis."""
+
+    stops3: Stops
+    stop_bounce3: float
+    stop_erp3: float | None
+    stop_cfm3: float | None
+    stop_stiffness3: float | None
+    stop_damping3: float | None
+    motor_velocity3: float
+    motor_max_force3: float
+    fudge_factor3: float
+    cfm3: float | None
+
+
+class Driven(Joint):
+    """A joint with motors, and perhaps with stops."""
 
     def _driven(self) -> None:
-        if self.motor_max_force > STRONGEST_AT_STOP and self.stops is not None:
-            raise FieldError(
-                f"{self.describe()}.motor_max_force is {self.motor_max_force:g}; "
-                f"with stops={self.stops} it must be at most {STRONGEST_AT_STOP:g}"
-            )
+        for name in self.FIELDS:
+            if not name.startswith("stops"):
+                continue
+            force, stops = f"motor_max_force{name[5:]}", getattr(self, name)
+            if stops is not None and getattr(self, force) > STRONGEST_AT_STOP:
+                raise FieldError(
+                    f"{self.describe()}.{force} is {getattr(self, force):g}; "
+                    f"with {name}={stops} it must be at most {STRONGEST_AT_STOP:g}"
+                )
         self._wake()
 
-    def motor(self, velocity: float, max_force: float) -> None:
-        """Drive at ``velocity`` (rad/s or m/s) with at most ``max_force`` (N m or N)."""
-        for name, value in (("motor_max_force", max_force), ("motor_velocity", velocity)):
+    def motor(self, velocity: float, max_force: float, *, axis: int | None = None) -> None:
+        """Drive at ``velocity`` (rad/s or m/s) with at most ``max_force`` (N m or N).
+
+        Args:
+            velocity: what the motor aims at.
+            max_force: what it may use.
+            axis: which, from 1, for a joint with several.
+
+        Raises:
+            FieldError: for a bad number, or an axis that the joint hasn't got.
+        """
+        after = "" if axis is None else str(axis)
+        names = [f"motor_max_force{after}", f"motor_velocity{after}"]
+        if names[0] not in self.FIELDS:
+            known = [name[15:] for name in self.FIELDS if name.startswith("motor_max_force")]
+            right = f"must be one of {', '.join(known)}" if known != [""] else "must not be given"
+            raise FieldError(f"{self.describe()}.motor().axis is {axis}; it {right}")
+        for name, value in zip(names, (max_force, velocity), strict=True):
             self.FIELDS[name].check(self.describe(), name, value)
-        self.motor_max_force = max_force
-        self.motor_velocity = velocity
+        setattr(self, names[0], max_force)
+        setattr(self, names[1], velocity)

@@ -53,6 +53,9 @@ void oo_world_free(oo_world *w) {
     }
     count_live(&live.bodies, -(long)w->body_count);
     count_live(&live.joints, -(long)w->joint_count);
+    for (unsigned int i = 0; i < w->joint_count; i++) free(w->joints[i]);
+    free(w->joints);
+    free(w->broken_joints);
     count_live(&live.worlds, -1);
     free(w->bodies);
     free(w->geoms);

@@ -11,7 +11,17 @@ enum oo_status {
 
 enum oo_geom_kind { OO_BOX, OO_SPHERE, OO_CAPSULE, OO_CYLINDER, OO_PLANE, OO_TRIMESH };
 enum oo_space_kind { OO_SIMPLE_SPACE, OO_HASH_SPACE, OO_QUADTREE_SPACE, OO_SAP_SPACE };
-enum oo_joint_kind { OO_BALL, OO_HINGE, OO_SLIDER, OO_FIXED };
+enum oo_joint_kind {
+    OO_BALL, OO_HINGE, OO_SLIDER, OO_FIXED, OO_UNIVERSAL, OO_HINGE2, OO_AMOTOR, OO_LMOTOR, OO_PR, OO_PU, OO_PISTON,
+    OO_PLANE2D, OO_DBALL, OO_DHINGE, OO_TRANSMISSION
+};
+
+/* Parameters of joints beside ODE's own numbers. */
+enum oo_param {
+    OO_ANGLE = 0xf0,            /* of an angular motor in user mode; a group may be added */
+    OO_DISTANCE = 0x1000,       /* of a double ball or double hinge */
+    OO_BACKLASH = 0x1001        /* of a transmission */
+};
 
 enum oo_geom_flags {
     OO_ALIVE = 1,
@@ -50,6 +60,32 @@ typedef struct oo_touch {
     int state;                      /* enum oo_touch_state */
     double impulse;                 /* sum of contact force times step size, newton seconds */
 } oo_touch;
+
+typedef struct oo_servo {
+    double target, max_speed, frequency, damping_ratio;
+    int turns;                      /* the target is an angle, to be reached the shorter way round */
+} oo_servo;
+
+typedef struct oo_joint {
+    dJointID id;
+    int kind;                       /* enum oo_joint_kind */
+    unsigned int index;             /* in world.joints */
+    unsigned long long born;        /* world.steps when it was made */
+    double at[3];                   /* where its torque is taken, in body 1 from its centre of mass */
+    double break_force, break_torque; /* infinite: it doesn't break */
+    int has_servo;
+    oo_servo servo;
+    int euler, axis_count, axis_of[3]; /* of motors: an axis is that of the world (0), of body 1 or of body 2 */
+    double axes[3][3], references[2][3];
+    dJointFeedback feedback;
+} oo_joint;
+
+typedef struct oo_joint_state {
+    double position[3], rate[3];    /* angles (rad) and positions (m) as the kind of joint has them */
+    double force1[3], torque1[3];   /* on body 1, the torque about its centre of mass; 0 without feedback */
+    double force2[3], torque2[3];
+    double torque[3];               /* on body 1, about the anchor */
+} oo_joint_state;
 
 typedef struct oo_pair {
     dSpaceID space, other;          /* other NULL: the pairs inside space */
@@ -94,7 +130,10 @@ typedef struct oo_world {
     unsigned int event_count, event_capacity;
 
     oo_mesh *meshes;
-    unsigned int joint_count;
+    oo_joint **joints;              /* dense: the last takes the place of one that is freed */
+    unsigned int joint_count, joint_capacity, servo_count, breakable_count;
+    unsigned int *broken_joints;    /* indices of those that the last step overloaded */
+    unsigned int broken_count, broken_capacity;
     dJointGroupID contact_group;
     dThreadingImplementationID threading;
 } oo_world;
@@ -142,10 +181,21 @@ oo_mesh *oo_mesh_new(oo_world *, const double *vertices, unsigned int vertex_cou
                      unsigned int triangle_count);
 void oo_mesh_free(oo_world *, oo_mesh *);
 
-dJointID oo_joint_new(oo_world *, int kind);
-void oo_joint_free(oo_world *, dJointID);
+/* NULL if ODE refused. It must be placed before it is used. */
+oo_joint *oo_joint_new(oo_world *, int kind, dBodyID body1, dBodyID body2);
+void oo_joint_free(oo_world *, oo_joint *);
+/* Anchors and axes in the world, in the order of the class in Python; `how` has what else a kind wants to know. */
+int oo_joint_place(oo_joint *, const double *spots, const int *how, const double at[3]);
+void oo_joint_set_param(oo_joint *, int code, double value);
+double oo_joint_get_param(const oo_joint *, int code);
+void oo_joint_read(const oo_world *, const oo_joint *, oo_joint_state *);
+void oo_joint_watch(oo_world *, oo_joint *, int feedback, double break_force, double break_torque);
+/* NULL: no servo. */
+void oo_joint_drive(oo_world *, oo_joint *, const oo_servo *);
+/* All joints, in the order of world.joints. */
+void oo_export_joints(const oo_world *, oo_joint_state *out);
 
-/* Up to count whole steps; ends early after a step with touch events. The number of steps done, or a status below 0
+/* Up to count whole steps; ends early after a step with touch events or joints to break. The number of steps done, or a status below 0
    (then the step that failed was not done, or left no contact joints behind). */
 int oo_run(oo_world *, unsigned int count);
 /* The pose of one body into both tables: it was put there, so there is nothing to interpolate. */

@@ -49,4 +49,9 @@ HIDDEN int use_own_threading(oo_world *);
 /* The pose of the frame that the author placed, 7 doubles. */
 HIDDEN void write_pose(const oo_body *, double *row);
 
+/* Before a step: what their motors are to do in it. */
+HIDDEN void drive_servos(oo_world *);
+/* After a step. */
+HIDDEN void find_broken_joints(oo_world *);
+
 #endif

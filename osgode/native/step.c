@@ -257,7 +257,9 @@ int oo_run(oo_world *w, unsigned int count) {
     if (w->bad_body >= 0) find_bad_body(w);
     if (w->bad_body >= 0) return OO_BAD_BODY;
     dAllocateODEDataForThread(dAllocateMaskAll);
+    w->broken_count = 0;
     while (done < count) {
+        if (w->servo_count) drive_servos(w);
         int status = collide(w);
         if (status == OO_OK) status = respond(w);
         if (status == OO_OK) {
@@ -273,7 +275,8 @@ int oo_run(oo_world *w, unsigned int count) {
         done++;
         find_bad_body(w);
         if (w->bad_body >= 0) return OO_BAD_BODY;
-        if (w->event_count) break;
+        if (w->breakable_count) find_broken_joints(w);
+        if (w->event_count || w->broken_count) break;
     }
     return (int)done;
 }

@@ -15,6 +15,7 @@ from osgode.native import forward_messages, last_error, lib
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from osgode.joints.base import Joint
     from osgode.nodes.body import Body
     from osgode.nodes.realm import Realm
     from osgode.nodes.spaces import Space
@@ -98,6 +99,10 @@ class PhysicsNode(HasFields, Node):
     """
 
     SHARED = False
+    _lost: Sequence[Joint] = ()
+    """Joints that were live before this subtree left its World."""
+    _moving = False
+    """Whether it is between two Worlds."""
 
     def __init__(self, *, name: str = "", visible: bool = True, **fields: Any) -> None:
         super().__init__(name=name, visible=visible)
@@ -179,10 +184,24 @@ class PhysicsNode(HasFields, Node):
     def _unlinking(self, parent: Group) -> None:  # noqa: ARG002 - a hook of Node
         if self._realm is not None:
             with self._realm.editing():
+                self._lost = self._live_joints()
                 self._leave_subtree()
 
     def _unlinked(self, parent: Group) -> None:
         self._departed(parent)
+        if not self._moving:
+            self._tell_lost()
+
+    def _live_joints(self) -> list[Joint]:
+        joints = (joint for node in physics_nodes(self) for joint in getattr(node, "_joints", ()))
+        return [joint for joint in dict.fromkeys(joints) if joint.is_live]
+
+    def _tell_lost(self) -> None:
+        """Tell the listeners of joints that have lost a body."""
+        lost, self._lost = self._lost, ()
+        for joint in lost:
+            if not joint.is_live:
+                joint._lose()
 
     def move_to(self, parent: Group) -> Self:
         """Stand below ``parent`` instead of where it stands now, and return self.
@@ -205,13 +224,18 @@ class PhysicsNode(HasFields, Node):
                 self._move_within(old, parent)
         else:
             index = _index(old, self)
-            old.detach(self)
+            self._moving = True
             try:
-                parent.attach(self)
-            except BaseException:
-                old.attach(self)
-                old._children.insert(index, old._children.pop())
-                raise
+                old.detach(self)
+                try:
+                    parent.attach(self)
+                except BaseException:
+                    old.attach(self)
+                    old._children.insert(index, old._children.pop())
+                    raise
+            finally:
+                self._moving = False
+            self._tell_lost()
         return self
 
     def _move_within(self, old: Group, new: Group) -> None:
@@ -279,6 +303,9 @@ class PhysicsNode(HasFields, Node):
 
     def _place(self) -> None:
         """Give the native the pose that the tree says."""
+
+    def _surface_again(self) -> None:
+        """Called when the step size has changed, on which springs depend."""
 
     def _rehouse(self) -> None:
         """Called when the space or the body above may have changed within the same World."""

@@ -285,7 +285,11 @@ class Geom(PhysicsNode):
             self._realm.give_surface(row.surface)
             row.surface = 0
         if self.surface is not None:
-            row.surface = self._realm.take_surface(self.surface.row())
+            row.surface = self._realm.take_surface(self.surface.row(self._realm.ptr.step_size))
+
+    def _surface_again(self) -> None:
+        if self.surface is not None and self.surface.spring is not None:
+            self._resurfaced()
 
     # -- entering and leaving
 

@@ -15,6 +15,7 @@ from osgode.native import ffi, lib
 if TYPE_CHECKING:
     from types import TracebackType
 
+    from osgode.joints.base import Joint
     from osgode.nodes.base import PhysicsNode
     from osgode.nodes.body import Body
     from osgode.nodes.meshdata import MeshData
@@ -44,6 +45,7 @@ class Realm:
         self.broken = False
         self.members: weakref.WeakKeyDictionary[PhysicsNode | Any, None] = weakref.WeakKeyDictionary()
         self._bodies: list[weakref.ref[Body]] = []
+        self._joints: list[weakref.ref[Joint]] = []
         self._geoms: list[weakref.ref[PhysicsNode] | None] = []
         self.inherited: dict[str, Any] = {}
         self.pairs_changed = False
@@ -121,6 +123,30 @@ class Realm:
             setattr(self, name, grown)
             setattr(self.ptr, name, ffi.cast("double *", grown.ctypes.data))
         self.ptr.table_capacity = capacity
+
+    # -- joints
+
+    def add_joint(self, joint: Joint) -> None:
+        """Note the joint whose native was made last."""
+        self.members[joint] = None
+        self._joints.append(weakref.ref(joint))
+
+    @property
+    def joints(self) -> list[Joint]:
+        """All joints, in the order of the C core."""
+        return [joint for ref in self._joints if (joint := ref()) is not None]
+
+    def joint_at(self, index: int) -> Joint | None:
+        """The joint at an index of the C core, None if it is gone."""
+        return self._joints[index]()
+
+    def remove_joint(self, joint: Joint, native: Any) -> None:
+        """Free a native joint; the last one takes its place."""
+        del self.members[joint]
+        last = self._joints.pop()
+        if native.index < len(self._joints):
+            self._joints[native.index] = last
+        lib.oo_joint_free(self.ptr, native)
 
     # -- geoms and spaces
 

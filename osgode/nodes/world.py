@@ -11,10 +11,10 @@ import numpy as np
 from osgode.errors import FieldError, PhysicsError, StateError, TreeError, shown
 from osgode.fields import number, whole
 from osgode.graph.node import Group
-from osgode.materials import LIMIT, PUBLISHED, SurfaceTable
+from osgode.materials import PUBLISHED, SurfaceTable
 from osgode.maths import FloatArray, pose_matrices
-from osgode.native import checked, ffi, forward_messages, lib
-from osgode.nodes.base import PhysicsNode, refuse
+from osgode.native import checked, ffi, forward_messages, lib, row_dtype
+from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
 from osgode.nodes.realm import Realm
 from osgode.nodes.spaces import Space
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from osgode.joints.base import Joint
 
 STEP_COUNT = whole(0, 2**31)
+JOINT_ROW = row_dtype("oo_joint_state")
 
 log = logging.getLogger("osgode")
 
@@ -44,6 +45,8 @@ class World(WorldSettings, Group):
         self._realm = realm
         self._id = realm.ptr.id
         self._pairs: list[tuple[Space, Space | None]] = []
+        self._surfaces = PUBLISHED.copy()
+        self._surfaces._changed = weakref.WeakMethod(self._send_surfaces)
         self._time = 0.0
         self._warned = False
         self._retired: list[tuple[int, PhysicsNode | None]] = []
@@ -52,9 +55,6 @@ class World(WorldSettings, Group):
         super().__init__(name=name, visible=visible)
         self._set_fields({field_name: field.default for field_name, field in self.FIELDS.items()})
         self._set_fields(dict(fields))
-        self._surfaces = PUBLISHED.copy()
-        self._surfaces._changed = weakref.WeakMethod(self._send_surfaces)
-        self._send_surfaces()
 
     # -- what is in it
 
@@ -65,8 +65,8 @@ class World(WorldSettings, Group):
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """All joints that are in effect, in the order in which they were made."""
-        return tuple(member for member in self._live("joints").members if not isinstance(member, PhysicsNode))
+        """All joints that are in effect, in the order of `joint_states`: the last takes the place of one that goes."""
+        return tuple(self._live("joints").joints)
 
     @property
     def surfaces(self) -> SurfaceTable:
@@ -84,9 +84,16 @@ class World(WorldSettings, Group):
 
     def _send_surfaces(self) -> None:
         with self._live("surfaces").editing() as realm:
-            for i, row in enumerate(self._surfaces.matrix()):
-                for j, surface in enumerate(row):
-                    checked(lib.oo_set_surface(realm.ptr, LIMIT * i + j, surface.row()), "surfaces")
+            table = [surface for row in self._surfaces.matrix() for surface in row]
+            rows = {surface: surface.row(self.step_size) for surface in set(table)}
+            for index, surface in enumerate(table):
+                checked(lib.oo_set_surface(realm.ptr, index, rows[surface]), "surfaces")
+
+    def _resized_step(self) -> None:
+        self._softened()
+        self._send_surfaces()
+        for node in physics_nodes(self):
+            node._surface_again()
 
     # -- what collides
 
@@ -195,8 +202,13 @@ class World(WorldSettings, Group):
                 left -= done
                 self._time += done * ptr.step_size
                 forward_messages()
-            if ptr.event_count and done:
-                tell_touches(realm)
+            broken = [joint._break() for joint in self._overloaded(realm)] if ptr.broken_count else []
+            try:
+                if ptr.event_count and done:
+                    tell_touches(realm)
+            finally:  # a listener that fails keeps nobody from hearing
+                for tell_listeners in broken:
+                    tell_listeners()
             if done:  # else nothing was collided, and the ends of touching are still to be told
                 self._forget_retired(realm)
             realm.broken = status == lib.OO_BROKEN
@@ -204,6 +216,12 @@ class World(WorldSettings, Group):
                 raise self._bad_body(realm.bodies[ptr.bad_body])
             if status < 0:
                 checked(status, f"{self.describe()} step {ptr.steps + 1}")
+
+    def _overloaded(self, realm: Realm) -> list[Joint]:
+        """The joints that broke in the last step."""
+        indices = ffi.unpack(realm.ptr.broken_joints, realm.ptr.broken_count)
+        realm.ptr.broken_count = 0
+        return [joint for index in indices if (joint := realm.joint_at(index)) is not None]
 
     def _forget_retired(self, realm: Realm) -> None:
         """Let go of nodes whose end of touching has been told: they left before the last step but one."""
@@ -244,6 +262,19 @@ class World(WorldSettings, Group):
         realm = self._live("velocities")
         out = np.empty((realm.body_count, 6))
         lib.oo_export_velocities(realm.ptr, ffi.cast("double *", out.ctypes.data))
+        return out
+
+    @property
+    def joint_states(self) -> np.ndarray[Any, np.dtype[Any]]:
+        """What each joint of `joints` reads, as a new structured array of one row a joint.
+
+        ``position`` and ``rate``: (3,) each, the angles (rad), positions (m) and their rates in the order in which the
+        kind's page of the reference lists them, 0 where there are fewer. ``force1``, ``torque1``, ``force2``,
+        ``torque2``, ``torque``: as in `Reaction`, of the last step; 0 for joints without feedback.
+        """
+        realm = self._live("joint_states")
+        out = np.empty(realm.ptr.joint_count, JOINT_ROW)
+        lib.oo_export_joints(realm.ptr, ffi.cast("oo_joint_state *", out.ctypes.data))
         return out
 
     @property

@@ -12,7 +12,6 @@ from osgode.fields import (
     SMALLEST,
     Check,
     Field,
-    Followed,
     NumberField,
     VectorField,
     WholeField,
@@ -113,8 +112,9 @@ class WorldSettings(PhysicsNode):
         number(1e-9, 10.0),
         _get_native("step_size"),
         _set_native("step_size"),
+        after="_resized_step",
         unit="s",
-        doc="Of one step.",
+        doc="Of one step; joints and surfaces with a stiffness follow it.",
     )
     erp = _world_number("ERP", 0.2, number(0, 1), after="_softened", doc="The part of an error corrected in one step.")
     cfm = _world_number("CFM", 1e-10, number(SMALLEST, 1e6), after="_softened", doc="How soft joints and contacts are.")
@@ -174,8 +174,10 @@ class WorldSettings(PhysicsNode):
         """All joints that are in effect."""
 
     def _softened(self) -> None:
-        """ODE gives its ERP and CFM to a joint when it is made; here joints follow."""
+        """ODE gives its ERP and CFM to a joint when it is made; here joints follow, and springs the step size too."""
         for joint in self.joints:
-            for field in joint.FIELDS.values():
-                if isinstance(field, Followed):
-                    field.enter(joint)
+            joint._follow()
+
+    @abstractmethod
+    def _resized_step(self) -> None:
+        """Called when the step size has changed: ERP and CFM of springs depend on it."""
