@@ -10,11 +10,17 @@ from dataclasses import dataclass, field
 import osgode as oo
 from osgode import Quat, Vec3
 from osgode.maths import IDENTITY, ZERO
+from osgode.springs import implicit
 
 STEP_SIZE = 1 / 120
 GRAVITY = Vec3(0.0, -9.81, 0.0)
 CONTACTS_PER_PAIR = 16
 """osgode's default."""
+
+STIFFNESS, DAMPING = 2e4, 1500.0
+"""Of a cart's wheel, N/m and N s/m."""
+SUSPENSION = implicit(STIFFNESS, DAMPING, STEP_SIZE)
+"""The same as ODE wants it: ERP and CFM."""
 
 Triangles = tuple[list[tuple[float, float, float]], list[tuple[int, int, int]]]
 
@@ -39,7 +45,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Link:
-    """A ball joint or a hinge of bodies by number; ``other`` -1 is the static world."""
+    """A ball joint, or the driven hinge-2 of a wheel (``other``), of bodies by number; ``other`` -1: the static world."""
 
     kind: str
     body: int
@@ -82,7 +88,7 @@ class Scene:
         for part in self.bodies:
             lines.append(_line("body", part.mass, *part.position, *part.rotation, part.shape, *part.size))
         for link in self.links:
-            extra = () if link.kind == "ball" else (*link.axis, link.velocity, link.max_force)
+            extra = () if link.kind == "ball" else (*link.axis, link.velocity, link.max_force, *SUSPENSION)
             lines.append(_line(link.kind, link.body, link.other, *link.anchor, *extra))
         return "\n".join([*lines, "go", ""])
 
@@ -107,8 +113,9 @@ class Scene:
             if link.kind == "ball":
                 oo.Ball(bodies[link.body], other, anchor=link.anchor)
             else:
-                hinge = oo.Hinge(bodies[link.body], other, anchor=link.anchor, axis=link.axis)
-                hinge.motor(link.velocity, link.max_force)
+                axle = oo.Hinge2(bodies[link.body], bodies[link.other], anchor=link.anchor, axis2=link.axis, stops1=(0, 0))
+                axle.suspension_stiffness, axle.suspension_damping = STIFFNESS, DAMPING
+                axle.motor(link.velocity, link.max_force, axis=2)
         return world
 
 
@@ -210,7 +217,7 @@ def on_mesh(count: int = 300, cells: int = 71) -> Scene:
 
 
 def carts(count: int = 20) -> Scene:
-    """Carts with four driven wheels on lanes with bumps.
+    """Carts with four driven wheels on springs, on lanes with bumps.
 
     The lanes are so wide that no wheel meets another cart's: osgode hands two cylinders to ODE in a fixed
     order, plain C in the order that they come in.
@@ -231,7 +238,7 @@ def carts(count: int = 20) -> Scene:
             anchor = centre + turn.rotate((x, -0.35, side))
             wheel = len(scene.bodies)
             scene.bodies.append(Part("cylinder", (0.35, 0.2), anchor, turn, 15.0))
-            scene.links.append(Link("hinge", wheel, hull, anchor, turn.rotate((0, 0, 1)), speed, 40.0))
+            scene.links.append(Link("hinge2", hull, wheel, anchor, turn.rotate((0, 0, 1)), speed, 40.0))
     return scene
 
 

@@ -7,7 +7,7 @@
      plane A B C D | box X Y Z | sphere R | capsule R L | cylinder R L
      mesh VERTICES TRIANGLES           followed by their numbers
      ball BODY OTHER X Y Z             bodies by number; -1: the static world
-     hinge BODY OTHER X Y Z AX AY AZ VELOCITY MAX_FORCE
+     hinge2 CHASSIS WHEEL X Y Z AX AY AZ VELOCITY MAX_FORCE ERP CFM    velocity of the wheel as the chassis sees it
    then takes orders until stdin ends:
      step N    does N steps and answers with the nanoseconds that they took, by the clock and of the processor
      state     answers with 13 raw doubles a body: position, quaternion, linear and angular velocity */
@@ -141,15 +141,20 @@ static void read_ball(void) {
     dJointSetBallAnchor(joint, d[0], d[1], d[2]);
 }
 
-static void read_hinge(void) {
-    double d[8];
-    dJointID joint = dJointCreateHinge(world, 0);
+static void read_hinge2(void) {
+    double d[10];
+    dJointID joint = dJointCreateHinge2(world, 0);
     attach(joint);
-    read_numbers(d, 8);
-    dJointSetHingeAnchor(joint, d[0], d[1], d[2]);
-    dJointSetHingeAxis(joint, d[3], d[4], d[5]);
-    dJointSetHingeParam(joint, dParamVel, d[6]);
-    dJointSetHingeParam(joint, dParamFMax, d[7]);
+    read_numbers(d, 10);
+    dVector3 up = {0, 1, 0}, axle = {d[3], d[4], d[5]};
+    dJointSetHinge2Axes(joint, up, axle);
+    dJointSetHinge2Anchor(joint, d[0], d[1], d[2]);
+    dJointSetHinge2Param(joint, dParamLoStop, 0);
+    dJointSetHinge2Param(joint, dParamHiStop, 0);
+    dJointSetHinge2Param(joint, dParamSuspensionERP, d[8]);
+    dJointSetHinge2Param(joint, dParamSuspensionCFM, d[9]);
+    dJointSetHinge2Param(joint, dParamVel2, -d[6]); /* ODE means the chassis as the wheel sees it */
+    dJointSetHinge2Param(joint, dParamFMax2, d[7]);
 }
 
 static void read_world(void) {
@@ -173,8 +178,8 @@ static void read_scene(void) {
             read_body();
         else if (!strcmp(word, "ball"))
             read_ball();
-        else if (!strcmp(word, "hinge"))
-            read_hinge();
+        else if (!strcmp(word, "hinge2"))
+            read_hinge2();
         else if (!read_shape(word, fixed, 0, NULL))
             fail(word);
     }
