@@ -92,9 +92,11 @@ class Scene:
             lines.append(_line(link.kind, link.body, link.other, *link.anchor, *extra))
         return "\n".join([*lines, "go", ""])
 
-    def world(self) -> oo.World:
+    def world(self, broad_phase: str = "own") -> oo.World:
         """The scene in osgode."""
-        world = oo.World(gravity=GRAVITY, step_size=STEP_SIZE, contacts_per_pair=CONTACTS_PER_PAIR)
+        world = oo.World(
+            gravity=GRAVITY, step_size=STEP_SIZE, contacts_per_pair=CONTACTS_PER_PAIR, broad_phase=broad_phase
+        )
         moving = world.attach(oo.HashSpace(name="moving"))
         fixed = world.attach(oo.SimpleSpace(name="fixed"))
         world.collide(moving)

@@ -55,6 +55,7 @@ void oo_world_free(oo_world *w) {
     count_live(&live.joints, -(long)w->joint_count);
     for (unsigned int i = 0; i < w->joint_count; i++) free(w->joints[i]);
     free(w->joints);
+    broad_free(w);
     free(w->broken_joints);
     count_live(&live.worlds, -1);
     free(w->bodies);
@@ -78,6 +79,8 @@ int oo_set_pairs(oo_world *w, const oo_pair *pairs, unsigned int count) {
     free(w->pairs);
     w->pairs = copy;
     w->pair_count = count;
+    w->declared_count = 0;
+    for (unsigned int i = 0; i < count; i++) w->declared_count += !copy[i].nested;
     return OO_OK;
 }
 
@@ -108,6 +111,7 @@ void write_pose(const oo_body *body, double *row) {
 }
 
 void oo_body_snap(oo_world *w, unsigned int index) {
+    w->bodies[index].settled = 0;
     write_pose(&w->bodies[index], w->poses + 7 * index);
     memcpy(w->previous + 7 * index, w->poses + 7 * index, 7 * sizeof(double));
 }
@@ -121,6 +125,7 @@ int oo_body_new(oo_world *w) {
     body->id = dBodyCreate(w->id);
     guard_leave();
     if (!body->id) return OO_NO_MEMORY;
+    dBodySetData(body->id, (void *)(size_t)w->body_count);
     count_live(&live.bodies, 1);
     oo_body_snap(w, w->body_count);
     return (int)w->body_count++;
@@ -133,6 +138,7 @@ void oo_body_free(oo_world *w, unsigned int index) {
     }
     unsigned int last = --w->body_count;
     w->bodies[index] = w->bodies[last];
+    if (index < last) dBodySetData(w->bodies[index].id, (void *)(size_t)index);
     memcpy(w->poses + 7 * index, w->poses + 7 * last, 7 * sizeof(double));
     memcpy(w->previous + 7 * index, w->previous + 7 * last, 7 * sizeof(double));
     count_live(&live.bodies, -1);

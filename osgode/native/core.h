@@ -36,6 +36,7 @@ enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END };
 typedef struct oo_body {
     dBodyID id;
     double com[3];      /* centre of mass (ODE's reference point) in the frame that the author placed */
+    int settled;        /* it slept when its pose was written last, and both tables say the same */
 } oo_body;
 
 typedef struct oo_geom {
@@ -89,9 +90,11 @@ typedef struct oo_joint_state {
 
 typedef struct oo_pair {
     dSpaceID space, other;          /* other NULL: the pairs inside space */
+    int nested;                     /* not declared, but in a space that was: ODE has to be told of it */
 } oo_pair;
 
 typedef struct oo_mesh oo_mesh;
+typedef struct oo_broad oo_broad;
 
 typedef struct oo_world {
     dWorldID id;
@@ -115,7 +118,9 @@ typedef struct oo_world {
     unsigned int free_count, retired_count, retired_ripe, slot_capacity;
 
     oo_pair *pairs;
-    unsigned int pair_count;
+    unsigned int pair_count, declared_count;
+    int ode_broad;                  /* pairs are found by ODE's spaces, in their order */
+    oo_broad *broad;
     dSurfaceParameters *surfaces;   /* 16 x 16 for pairs of materials, then own surfaces of geoms */
     unsigned int surface_count;
 

@@ -103,6 +103,7 @@ void oo_wake_touching(oo_world *w, unsigned int slot) {
         dBodyID body = other->flags & OO_ALIVE ? dGeomGetBody(other->id) : NULL;
         if (body) dBodyEnable(body);
     }
+    if (!w->ode_broad) wake_sleepers_on(w, slot);
 }
 
 /* ODE cleans the geoms at the head of a space's list up to the first that is clean, and puts at the head what is added,

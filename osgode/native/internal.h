@@ -54,4 +54,15 @@ HIDDEN void drive_servos(oo_world *);
 /* After a step. */
 HIDDEN void find_broken_joints(oo_world *);
 
+/* Contacts of two geoms into the rows, if their categories want it. */
+HIDDEN void collide_pair(oo_world *, unsigned int slot1, unsigned int slot2);
+HIDDEN int geoms_touch(oo_world *, unsigned int slot1, unsigned int slot2);
+
+enum { MOST_DECLARED = 64 }; /* pairs of spaces that osgode's own broad phase can tell apart */
+/* Contacts of all pairs that matter, by osgode's own broad phase. */
+HIDDEN int find_pairs(oo_world *);
+/* Wake the bodies that sleep on a geom. */
+HIDDEN void wake_sleepers_on(oo_world *, unsigned int slot);
+HIDDEN void broad_free(oo_world *);
+
 #endif

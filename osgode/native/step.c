@@ -32,22 +32,16 @@ static void note_touch(oo_world *w, unsigned int slot1, unsigned int slot2, unsi
                         .count = count};
 }
 
-static void on_near(void *data, dGeomID g1, dGeomID g2) {
-    oo_world *w = data;
-    if (dGeomIsSpace(g1) || dGeomIsSpace(g2)) {
-        dSpaceCollide2(g1, g2, data, on_near);
-        return;
-    }
-    unsigned int slot1 = (unsigned int)(size_t)dGeomGetData(g1), slot2 = (unsigned int)(size_t)dGeomGetData(g2);
+void collide_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
     if (!(a->category & b->collide) || !(b->category & a->collide)) return;
+    dGeomID g1 = a->id, g2 = b->id;
     dBodyID body1 = dGeomGetBody(g1), body2 = dGeomGetBody(g2);
-    if (!body1 && !body2) return;
+    if (body1 == body2) return;
     if (body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact)) return;
     if (a->flags & b->flags & OO_IS_CYLINDER && slot2 < slot1) { /* ODE's depth depends on the order of two cylinders */
-        dGeomID g = g1;
-        g1 = g2;
-        g2 = g;
+        g1 = b->id;
+        g2 = a->id;
         unsigned int slot = slot1;
         slot1 = slot2;
         slot2 = slot;
@@ -83,6 +77,26 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
     if (kept > first && (a->flags | b->flags) & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
 }
 
+int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
+    dContactGeom one;
+    if (guard_enter()) {
+        lock_meshes(0);
+        return 1;
+    }
+    lock_meshes(((w->geoms[slot1].flags | w->geoms[slot2].flags) & OO_IS_MESH) != 0);
+    int found = dCollide(w->geoms[slot1].id, w->geoms[slot2].id, 1, &one, sizeof one);
+    lock_meshes(0);
+    guard_leave();
+    return found > 0;
+}
+
+static void on_near(void *data, dGeomID g1, dGeomID g2) {
+    if (dGeomIsSpace(g1) || dGeomIsSpace(g2))
+        dSpaceCollide2(g1, g2, data, on_near);
+    else
+        collide_pair(data, (unsigned int)(size_t)dGeomGetData(g1), (unsigned int)(size_t)dGeomGetData(g2));
+}
+
 /* A slot that was retired before the last step is named by no contact, touch or event any longer. */
 static void recycle_slots(oo_world *w) {
     for (unsigned int i = 0; i < w->retired_ripe; i++) w->free_slots[w->free_count++] = w->retired_slots[i];
@@ -99,6 +113,11 @@ static int collide(oo_world *w) {
     }
     w->contact_count = w->event_count = w->touching_count = 0;
     w->out_of_memory = 0;
+    if (!w->ode_broad && w->declared_count <= MOST_DECLARED) {
+        int status = find_pairs(w);
+        guard_leave();
+        return status;
+    }
     for (unsigned int i = 0; i < w->pair_count; i++) {
         if (w->pairs[i].other)
             dSpaceCollide2((dGeomID)w->pairs[i].space, (dGeomID)w->pairs[i].other, w, on_near);
@@ -160,6 +179,20 @@ static void find_bad_body(oo_world *w) {
     w->bad_body = -1;
     for (unsigned int i = 0; i < w->body_count && w->bad_body < 0; i++)
         if (out_of_bounds(w->bodies[i].id)) w->bad_body = (int)i;
+}
+
+/* What sleeps on is where it was, and as sound as it was. */
+static void export_poses(oo_world *w) {
+    w->bad_body = -1;
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        oo_body *body = &w->bodies[i];
+        int asleep = !dBodyIsEnabled(body->id);
+        if (asleep && body->settled) continue;
+        body->settled = asleep;
+        memcpy(w->previous + 7 * i, w->poses + 7 * i, 7 * sizeof(double));
+        write_pose(body, w->poses + 7 * i);
+        if (w->bad_body < 0 && out_of_bounds(body->id)) w->bad_body = (int)i;
+    }
 }
 
 void oo_export_velocities(const oo_world *w, double *out) {
@@ -269,11 +302,9 @@ int oo_run(oo_world *w, unsigned int count) {
         if (status == OO_OK) status = compare_touches(w);
         dJointGroupEmpty(w->contact_group);
         if (status != OO_OK) return status;
-        memcpy(w->previous, w->poses, 7 * sizeof(double) * w->body_count);
-        for (unsigned int i = 0; i < w->body_count; i++) write_pose(&w->bodies[i], w->poses + 7 * i);
+        export_poses(w);
         w->steps++;
         done++;
-        find_bad_body(w);
         if (w->bad_body >= 0) return OO_BAD_BODY;
         if (w->breakable_count) find_broken_joints(w);
         if (w->event_count || w->broken_count) break;

@@ -128,17 +128,20 @@ class World(WorldSettings, Group):
         return tuple(self._pairs)
 
     def _send_pairs(self, realm: Realm) -> None:
-        rows: list[tuple[Any, Any]] = []
+        rows: dict[tuple[Any, Any], bool] = {}
         for space, other in self._pairs:
             if space._realm is not realm or (other is not None and other._realm is not realm):
                 continue
             if other is not None:
                 _check_apart(space, other)
-                rows.append((space._id, other._id))
+                rows[space._id, other._id] = False
             else:
-                rows += [(node._id, ffi.NULL) for node in space.walk() if isinstance(node, Space)]
-        unique = list(dict.fromkeys(rows))
-        checked(lib.oo_set_pairs(realm.ptr, ffi.new("oo_pair[]", unique), len(unique)), "collide")
+                rows[space._id, ffi.NULL] = False
+                for node in space.walk():
+                    if isinstance(node, Space):
+                        rows.setdefault((node._id, ffi.NULL), True)
+        table = [(*pair, nested) for pair, nested in rows.items()]
+        checked(lib.oo_set_pairs(realm.ptr, ffi.new("oo_pair[]", table), len(table)), "collide")
         realm.pairs_changed = False
         if not rows and not self._warned and any(isinstance(node, Space) for node in self.walk()):
             self._warned = True

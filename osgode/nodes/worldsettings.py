@@ -81,6 +81,7 @@ class WorldFields(TypedDict, total=False):
     contact_surface_layer: float
     contact_max_correcting_velocity: float
     contacts_per_pair: int
+    broad_phase: str
     seed: int
     auto_disable: bool
     auto_disable_linear_threshold: float
@@ -150,6 +151,14 @@ class WorldSettings(PhysicsNode):
         _get_native("max_contacts"),
         _set_native("max_contacts"),
         doc="Contact points of two geoms at most.",
+    )
+    broad_phase: Field[str, str] = Field(
+        "own",
+        choice("own", "ode"),
+        lambda world: "ode" if world._live("broad_phase").ptr.ode_broad else "own",
+        lambda world, value: setattr(world._live("broad_phase").ptr, "ode_broad", value == "ode"),
+        doc="What finds the pairs that may touch: 'own' leaves out those in which nothing can move; 'ode' walks ODE's "
+        "spaces, bit for bit as a C program does.",
     )
     seed = WholeField(
         0, whole(0, 0xFFFFFFFF), _get_native("seed"), _set_native("seed"), doc="Of the quick solver's order of rows."
