@@ -43,7 +43,8 @@ struct oo_broad {
 
     node *nodes;
     unsigned int node_count, node_capacity;
-    int root, free_node;
+    int root, free_node, moving_root;
+    unsigned int node_count_before; /* the tree of the moving ones was added */
     unsigned int leaf_count, changes; /* since it was built */
 
     unsigned char *reached; /* by body: woken by what is awake, in this step */
@@ -542,4 +543,78 @@ void broad_free(oo_world *w) {
     free(b->reached);
     free(b->queue);
     free(b);
+}
+
+/* ------------------------------------------------------------------ questions between steps */
+
+enum { FEW = 4 }; /* questions for which no tree is worth its while */
+
+int begin_queries(oo_world *w, unsigned int count) {
+    if (make_room(w) || refresh(w)) return OO_NO_MEMORY;
+    struct oo_broad *b = w->broad;
+    if (reserve(&b->nodes, &b->node_capacity, b->node_count + 2 * b->moving_count + 2, sizeof *b->nodes)) return OO_NO_MEMORY;
+    b->moving_root = NONE;
+    b->node_count_before = b->node_count;
+    if (b->moving_count && count > FEW) { /* in a tree of their own, for as long as questions are asked */
+        sort_moving(b); /* the list is halved on the way, and is wanted in order again */
+        b->moving_root = build(b, b->moving, b->moving_count, NONE);
+    }
+    return OO_OK;
+}
+
+void end_queries(oo_world *w) {
+    struct oo_broad *b = w->broad;
+    b->node_count = b->node_count_before;
+    if (b->moving_root == NONE) return;
+    for (unsigned int i = 0; i < b->moving_count; i++) b->entries[b->moving[i]].leaf = NONE;
+}
+
+static int meets_ray(const box *b, const ray *r) {
+    double near = 0, far = r->length;
+    for (int k = 0; k < 3; k++) {
+        double one = (b->low[k] - r->origin[k]) * r->inverse[k], other = (b->high[k] - r->origin[k]) * r->inverse[k];
+        if (one != one || other != other) { /* 0 * infinity: along a face, inside or not */
+            if (r->origin[k] < b->low[k] || r->origin[k] > b->high[k]) return 0;
+            continue;
+        }
+        near = fmax(near, fmin(one, other));
+        far = fmin(far, fmax(one, other));
+    }
+    return near <= far;
+}
+
+static int meets_box(const box *b, const box *wanted) { return overlap(b, wanted); }
+
+#define VISIT(root, meets, wanted)                                              \
+    for (int at = (root); at != NONE;) {                                        \
+        const node *n = &b->nodes[at];                                          \
+        if (meets(&n->box, wanted)) {                                           \
+            if (n->children[0] != NONE) {                                       \
+                at = n->children[0];                                            \
+                continue;                                                       \
+            }                                                                   \
+            visit(data, (unsigned int)n->children[1]);                          \
+        }                                                                       \
+        at = after(b, at);                                                      \
+    }
+
+void along_ray(oo_world *w, ray *r, void (*visit)(void *, unsigned int), void *data) {
+    const struct oo_broad *b = w->broad;
+    for (unsigned int i = 0; i < b->huge_count; i++) visit(data, b->huge[i]);
+    VISIT(b->root, meets_ray, r)
+    VISIT(b->moving_root, meets_ray, r)
+    if (b->moving_root != NONE) return;
+    for (unsigned int i = 0; i < b->moving_count; i++)
+        if (meets_ray(&b->entries[b->moving[i]].box, r)) visit(data, b->moving[i]);
+}
+
+void in_box_of(oo_world *w, dGeomID geom, void (*visit)(void *, unsigned int), void *data) {
+    const struct oo_broad *b = w->broad;
+    box wanted = box_of(geom);
+    for (unsigned int i = 0; i < b->huge_count; i++) visit(data, b->huge[i]);
+    VISIT(b->root, meets_box, &wanted)
+    VISIT(b->moving_root, meets_box, &wanted)
+    if (b->moving_root != NONE) return;
+    for (unsigned int i = 0; i < b->moving_count; i++)
+        if (overlap(&b->entries[b->moving[i]].box, &wanted)) visit(data, b->moving[i]);
 }

@@ -56,6 +56,7 @@ void oo_world_free(oo_world *w) {
     for (unsigned int i = 0; i < w->joint_count; i++) free(w->joints[i]);
     free(w->joints);
     broad_free(w);
+    free(w->hits);
     free(w->broken_joints);
     count_live(&live.worlds, -1);
     free(w->bodies);

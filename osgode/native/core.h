@@ -96,6 +96,19 @@ typedef struct oo_pair {
 typedef struct oo_mesh oo_mesh;
 typedef struct oo_broad oo_broad;
 
+typedef struct oo_query {
+    unsigned int kinds;             /* category bits that are met */
+    dSpaceID space;                 /* only what is in it; NULL: anywhere */
+    const unsigned int *excluded;   /* slots, sorted */
+    unsigned int excluded_count;
+} oo_query;
+
+typedef struct oo_hit {
+    int slot;                       /* into world.geoms; -1: nothing was hit */
+    double distance;                /* of an overlap: its depth */
+    double point[3], normal[3];
+} oo_hit;
+
 typedef struct oo_world {
     dWorldID id;
     double step_size;
@@ -133,6 +146,9 @@ typedef struct oo_world {
     unsigned int touching_count, touching_capacity, touched_count, touched_capacity;
     oo_touch *events;
     unsigned int event_count, event_capacity;
+
+    oo_hit *hits;                   /* of the last query that may have several */
+    unsigned int hit_count, hit_capacity;
 
     oo_mesh *meshes;
     oo_joint **joints;              /* dense: the last takes the place of one that is freed */
@@ -175,6 +191,8 @@ int oo_body_set_mass(oo_world *, unsigned int index, double mass, const double i
 int oo_geom_new(oo_world *, int kind, const double *dimensions, oo_mesh *);
 int oo_space_new(oo_world *, int kind, const double *arguments);
 void oo_geom_free(oo_world *, unsigned int slot);
+/* One that was in no space since it was made, so that nothing can name its slot: it may be given out again at once. */
+void oo_geom_discard(oo_world *, unsigned int slot);
 /* A geom or space from one space to another; either may be NULL. */
 void oo_rehouse(dSpaceID from, dSpaceID to, dGeomID);
 /* Wake the bodies that touched a geom in the last step: it is about to go, or has been put elsewhere. */
@@ -199,6 +217,13 @@ void oo_joint_watch(oo_world *, oo_joint *, int feedback, double break_force, do
 void oo_joint_drive(oo_world *, oo_joint *, const oo_servo *);
 /* All joints, in the order of world.joints. */
 void oo_export_joints(const oo_world *, oo_joint_state *out);
+
+/* The nearest hit of each ray: rows of origin, unit direction, length; one row of out each. */
+int oo_cast_rays(oo_world *, const oo_query *, const double *rays, unsigned int count, oo_hit *out);
+/* All geoms that a ray hits, each where it does so first, into world.hits by distance: how many, or a status. */
+int oo_cast_ray_through(oo_world *, const oo_query *, const double ray[7]);
+/* All geoms that overlap one (which need not be in a space), into world.hits by slot: how many, or a status. */
+int oo_find_overlaps(oo_world *, const oo_query *, unsigned int slot);
 
 /* Up to count whole steps; ends early after a step with touch events or joints to break. The number of steps done, or a status below 0
    (then the step that failed was not done, or left no contact joints behind). */

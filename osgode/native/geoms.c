@@ -95,6 +95,12 @@ void oo_geom_free(oo_world *w, unsigned int slot) {
     count_live(space ? &live.spaces : &live.geoms, -1);
 }
 
+void oo_geom_discard(oo_world *w, unsigned int slot) {
+    oo_geom_free(w, slot);
+    w->retired_count--; /* the last one */
+    w->free_slots[w->free_count++] = slot;
+}
+
 void oo_wake_touching(oo_world *w, unsigned int slot) {
     for (unsigned int i = 0; i < w->contact_count; i++) {
         const oo_contact *row = &w->contacts[i];

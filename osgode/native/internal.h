@@ -65,4 +65,16 @@ HIDDEN int find_pairs(oo_world *);
 HIDDEN void wake_sleepers_on(oo_world *, unsigned int slot);
 HIDDEN void broad_free(oo_world *);
 
+typedef struct ray {
+    double origin[3], direction[3], inverse[3], length; /* the length may be cut while it is followed */
+} ray;
+/* Bring the boxes up to date, ask, and end it; nothing may change in between. */
+HIDDEN int begin_queries(oo_world *, unsigned int count);
+HIDDEN void along_ray(oo_world *, ray *, void (*visit)(void *, unsigned int slot), void *data);
+HIDDEN void in_box_of(oo_world *, dGeomID, void (*visit)(void *, unsigned int slot), void *data);
+HIDDEN void end_queries(oo_world *);
+
+HIDDEN void lock_meshes(int wanted);
+HIDDEN int usable(const dContactGeom *);
+
 #endif

@@ -5,7 +5,7 @@
 static pthread_mutex_t mesh_lock = PTHREAD_MUTEX_INITIALIZER;
 static __thread int holds_mesh_lock;
 
-static void lock_meshes(int wanted) {
+void lock_meshes(int wanted) {
     if (wanted == holds_mesh_lock) return;
     if (wanted)
         pthread_mutex_lock(&mesh_lock);
@@ -14,7 +14,7 @@ static void lock_meshes(int wanted) {
     holds_mesh_lock = wanted;
 }
 
-static int usable(const dContactGeom *c) {
+int usable(const dContactGeom *c) {
     double sum = c->pos[0] + c->pos[1] + c->pos[2] + c->depth;
     double normal = c->normal[0] * c->normal[0] + c->normal[1] * c->normal[1] + c->normal[2] * c->normal[2];
     return isfinite(sum) && normal > 0.5 && normal < 2.0;

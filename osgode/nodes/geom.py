@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
 
 from osgode.errors import FieldError
@@ -18,14 +19,14 @@ from osgode.materials import (
     collide_bits,
     material,
 )
-from osgode.maths import IDENTITY, ZERO, Pose, Vec3
+from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3
 from osgode.native import ffi, lib
 from osgode.nodes.base import PhysicsNode, nearest_body
 from osgode.nodes.placeable import Placeable
 from osgode.nodes.touch import checked_listener
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from osgode.graph.node import Group
     from osgode.mass import Mass
@@ -88,6 +89,8 @@ class Geom(PhysicsNode):
     PARENTS: ClassVar[tuple[str, ...]] = ("Placeable", "Space")
     SHAPE: ClassVar[int]
     """Which shape of the C core it is."""
+    PLACED: ClassVar[bool] = True
+    """Whether it has a position."""
 
     material: Field[str, str] = Field("default", MATERIAL, after="_remade", doc="The name of what it is made of.")
     kind: Field[str, str] = Field("default", KIND, after="_marked", doc="The name of the kind of object it belongs to.")
@@ -290,6 +293,19 @@ class Geom(PhysicsNode):
     def _surface_again(self) -> None:
         if self.surface is not None and self.surface.spring is not None:
             self._resurfaced()
+
+    @contextmanager
+    def _visiting(self, realm: Realm, position: Vec3, rotation: Quat) -> Iterator[int]:
+        """Have a native for one question, in no space and unknown to everybody: its slot."""
+        slot = self._made(lib.oo_geom_new(realm.ptr, self.SHAPE, self._dimensions(), self._mesh))
+        try:
+            native = realm.ptr.geoms[slot].id
+            if self.PLACED:
+                lib.dGeomSetPosition(native, *position)
+                lib.dGeomSetQuaternion(native, rotation)
+            yield slot
+        finally:
+            lib.oo_geom_discard(realm.ptr, slot)
 
     # -- entering and leaving
 

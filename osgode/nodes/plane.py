@@ -34,6 +34,7 @@ class Plane(Geom):
 
     PARENTS: ClassVar[tuple[str, ...]] = ("Space",)
     SHAPE = lib.OO_PLANE
+    PLACED = False
 
     normal = VectorField(
         Vec3(0.0, 1.0, 0.0),

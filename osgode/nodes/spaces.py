@@ -10,6 +10,7 @@ from osgode.graph.node import Group
 from osgode.maths import Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.base import PhysicsNode, refuse
+from osgode.nodes.queries import Queries
 
 if TYPE_CHECKING:
     from osgode.nodes.realm import Realm
@@ -20,7 +21,7 @@ MAX_GEOMS = 131_072
 """In one space: above, ODE's hash space aborts."""
 
 
-class Space(PhysicsNode, Group):
+class Space(Queries, Group):
     """Abstract: a group of bodies, placeables, geoms and other spaces that are looked through together.
 
     A space adds no transform. What collides with what is told to the World: ``world.collide(space)``.
@@ -56,6 +57,9 @@ class Space(PhysicsNode, Group):
     def _take(self, child: Any) -> None:
         self._check_room(child)
         lib.dSpaceAdd(self._id, ffi.cast("dGeomID", child._id))
+
+    def _native_space(self) -> Any:
+        return self._id
 
     def _enter(self, realm: Realm) -> None:
         slot = self._made(lib.oo_space_new(realm.ptr, self.KIND, self._arguments()))

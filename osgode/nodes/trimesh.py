@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, Unpack
 
 import numpy as np
@@ -15,11 +16,12 @@ from osgode.nodes.geom import Geom, GeomFields
 from osgode.nodes.meshdata import MeshData
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     import numpy.typing as npt
 
     from osgode.mass import Mass
+    from osgode.maths import Quat, Vec3
     from osgode.nodes.realm import Realm
 
 
@@ -116,6 +118,18 @@ class Trimesh(Geom):
             if self._realm is None:
                 realm.give_mesh(self.data)
             raise
+
+    @contextmanager
+    def _visiting(self, realm: Realm, position: Vec3, rotation: Quat) -> Iterator[int]:
+        self._mesh = realm.take_mesh(self.data)
+        if self._mesh == ffi.NULL:
+            self._made(lib.OO_ASSERT)
+        try:
+            with super()._visiting(realm, position, rotation) as slot:
+                yield slot
+        finally:
+            realm.give_mesh(self.data)
+            self._mesh = ffi.NULL
 
     def _leave(self) -> None:
         realm = self._live("leaving it")

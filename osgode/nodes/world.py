@@ -16,6 +16,7 @@ from osgode.maths import FloatArray, pose_matrices
 from osgode.native import checked, ffi, forward_messages, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
+from osgode.nodes.queries import Queries
 from osgode.nodes.realm import Realm
 from osgode.nodes.spaces import Space
 from osgode.nodes.touch import contact_rows, tell_touches
@@ -30,7 +31,7 @@ JOINT_ROW = row_dtype("oo_joint_state")
 log = logging.getLogger("osgode")
 
 
-class World(WorldSettings, Group):
+class World(Queries, WorldSettings, Group):
     """The root of a simulation: bodies and spaces attached below it exist in ODE.
 
     What is dropped with the World turns into plain data again and keeps its state. A World may be used by one
@@ -314,6 +315,9 @@ class World(WorldSettings, Group):
         """The same as matrices from body to world axes: (n, 4, 4). The picture is drawn from these."""
         poses = self.interpolated_poses(interpolation)
         return pose_matrices(poses[:, :3], poses[:, 3:])
+
+    def _native_space(self) -> Any:
+        return ffi.NULL
 
     # -- it is never outside of itself
 
