@@ -12,6 +12,7 @@
 
 enum { OUT, QUIET, MOVING, HUGE_BOX };
 enum { NONE = -1 };
+enum { HEARD = OO_LISTENED | OO_ASKED | OO_SENSOR }; /* sleeping or not, somebody wants to know what touches it */
 
 #define HUGE_LENGTH 1e6f /* planes, and what is not worth a place in the tree */
 
@@ -472,6 +473,7 @@ static int flood(oo_world *w) {
     for (unsigned int at = 0; at < b->queue_count || row < w->contact_count;) {
         if (row < w->contact_count) {
             const oo_contact *contact = &w->contacts[row++];
+            if (!row_acts(w, contact)) continue;
             reach(w, dGeomGetBody(contact->geom.g1));
             reach(w, dGeomGetBody(contact->geom.g2));
             continue;
@@ -498,11 +500,11 @@ static int meet_listened(oo_world *w) {
     if (!b->sleepers) return OO_OK;
     for (unsigned int slot = 0; slot < w->geom_count; slot++) {
         const entry *e = &b->entries[slot];
-        if (!(w->geoms[slot].flags & OO_LISTENED) || (e->state != QUIET && e->state != HUGE_BOX) || is_reached(w, slot)) continue;
+        if (!(w->geoms[slot].flags & HEARD) || (e->state != QUIET && e->state != HUGE_BOX) || is_reached(w, slot)) continue;
         if (find_quiet(w, &e->box)) return OO_NO_MEMORY;
         for (unsigned int i = 0; i < b->hit_count + b->huge_count; i++) {
             unsigned int other = i < b->hit_count ? b->hits[i] : b->huge[i - b->hit_count];
-            int done = other < slot && w->geoms[other].flags & OO_LISTENED;
+            int done = other < slot && w->geoms[other].flags & HEARD;
             if (other != slot && !done && !is_reached(w, other)) try_pair(w, slot, other);
         }
     }

@@ -28,8 +28,12 @@ enum oo_geom_flags {
     OO_LISTENED = 2,    /* somebody in Python wants its touches */
     OO_IS_SPACE = 4,
     OO_IS_MESH = 8,     /* collided under a process-wide lock: OPCODE's caches are global */
-    OO_IS_CYLINDER = 16
+    OO_IS_CYLINDER = 16,
+    OO_ASKED = 32,      /* somebody in Python wants to be asked before its contacts act */
+    OO_SENSOR = 64      /* it is touched and never responds */
 };
+
+enum { OO_REFUSED = 0x7fffffff }; /* as the surface of a contact row: it doesn't act */
 
 enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END };
 
@@ -144,6 +148,8 @@ typedef struct oo_world {
 
     oo_touch *touching, *touched;   /* of this step and of the last one, sorted by slots */
     unsigned int touching_count, touching_capacity, touched_count, touched_capacity;
+    unsigned int asked_count;       /* pairs of touching that somebody wants to be asked about */
+    int asking;                     /* oo_run has collided, and waits for the answers to respond to the rest */
     oo_touch *events;
     unsigned int event_count, event_capacity;
 
@@ -226,8 +232,11 @@ int oo_cast_ray_through(oo_world *, const oo_query *, const double ray[7]);
 int oo_find_overlaps(oo_world *, const oo_query *, unsigned int slot);
 
 /* Up to count whole steps; ends early after a step with touch events or joints to break. The number of steps done, or a status below 0
-   (then the step that failed was not done, or left no contact joints behind). */
+   (then the step that failed was not done, or left no contact joints behind). If world.asking is set it has stopped
+   within a step: the next call goes on with it, with the rows of world.touching as they were answered. */
 int oo_run(oo_world *, unsigned int count);
+/* Forget a step that waits for answers. */
+void oo_abandon(oo_world *);
 /* The pose of one body into both tables: it was put there, so there is nothing to interpolate. */
 void oo_body_snap(oo_world *, unsigned int index);
 /* Linear velocity of the frame, angular velocity: 6 doubles a body. */

@@ -76,5 +76,7 @@ HIDDEN void end_queries(oo_world *);
 
 HIDDEN void lock_meshes(int wanted);
 HIDDEN int usable(const dContactGeom *);
+/* Whether a contact is to make a joint. */
+HIDDEN int row_acts(const oo_world *, const oo_contact *);
 
 #endif

@@ -74,7 +74,7 @@ void collide_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
         kept++;
     }
     w->contact_count = kept;
-    if (kept > first && (a->flags | b->flags) & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
+    if (kept > first && (a->flags | b->flags) & (OO_LISTENED | OO_ASKED)) note_touch(w, slot1, slot2, first, kept - first);
 }
 
 int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
@@ -111,7 +111,7 @@ static int collide(oo_world *w) {
         w->broken = 1;
         return OO_BROKEN;
     }
-    w->contact_count = w->event_count = w->touching_count = 0;
+    w->contact_count = w->event_count = w->touching_count = w->asked_count = 0;
     w->out_of_memory = 0;
     if (!w->ode_broad && w->declared_count <= MOST_DECLARED) {
         int status = find_pairs(w);
@@ -128,23 +128,69 @@ static int collide(oo_world *w) {
     return w->out_of_memory ? OO_NO_MEMORY : OO_OK;
 }
 
+static int compare_pairs(const oo_touch *a, const oo_touch *b) {
+    if (a->slot1 != b->slot1) return a->slot1 < b->slot1 ? -1 : 1;
+    return a->slot2 < b->slot2 ? -1 : a->slot2 > b->slot2;
+}
+
+static int by_slots(const void *a, const void *b) { return compare_pairs(a, b); }
+
+/* Whether the touch of two geoms is one that somebody asked for, and whether it is new. */
+static void find_asked(oo_world *w) {
+    for (unsigned int i = 0; i < w->touching_count; i++) {
+        oo_touch *touch = &w->touching[i];
+        if (!((w->geoms[touch->slot1].flags | w->geoms[touch->slot2].flags) & OO_ASKED)) continue;
+        w->asked_count++;
+        int known = w->touched_count && bsearch(touch, w->touched, w->touched_count, sizeof *touch, by_slots) != NULL;
+        touch->state = known ? OO_STAY : OO_BEGIN;
+    }
+}
+
+int row_acts(const oo_world *w, const oo_contact *row) {
+    const oo_geom *a = &w->geoms[row->slot1], *b = &w->geoms[row->slot2];
+    return row->surface != OO_REFUSED && a->flags & b->flags & OO_ALIVE && !((a->flags | b->flags) & OO_SENSOR);
+}
+
+/* A row counts as touching if it acts, or if it would but for a sensor. */
+static int row_touches(const oo_world *w, const oo_contact *row) {
+    return row->surface != OO_REFUSED && w->geoms[row->slot1].flags & w->geoms[row->slot2].flags & OO_ALIVE;
+}
+
+/* What was refused, or is gone since it was asked about, does not touch. */
+static void drop_refused(oo_world *w) {
+    unsigned int kept = 0;
+    for (unsigned int i = 0; i < w->touching_count; i++) {
+        int touches = 0;
+        for (unsigned int k = 0; k < w->touching[i].count; k++)
+            touches |= row_touches(w, &w->contacts[w->touching[i].first + k]);
+        if (touches) w->touching[kept++] = w->touching[i];
+    }
+    w->touching_count = kept;
+}
+
 static int respond(oo_world *w) {
+    if (w->asked_count) drop_refused(w);
     unsigned int listened = 0;
     for (unsigned int i = 0; i < w->touching_count; i++) listened += w->touching[i].count;
     if (reserve(&w->feedback, &w->feedback_capacity, listened, sizeof *w->feedback)) return OO_NO_MEMORY;
     w->feedback_count = 0;
     for (unsigned int i = 0; i < w->touching_count; i++)
-        for (unsigned int k = 0; k < w->touching[i].count; k++)
-            w->contacts[w->touching[i].first + k].feedback = (int)w->feedback_count++;
+        for (unsigned int k = 0; k < w->touching[i].count; k++) {
+            oo_contact *row = &w->contacts[w->touching[i].first + k];
+            if (row_acts(w, row)) row->feedback = (int)w->feedback_count++;
+        }
     if (guard_enter()) return OO_ASSERT;
     dContact contact;
     memset(&contact, 0, sizeof contact);
     for (unsigned int i = 0; i < w->contact_count; i++) {
         oo_contact *row = &w->contacts[i];
+        if (!row_acts(w, row)) continue;
+        dBodyID body1 = dGeomGetBody(row->geom.g1), body2 = dGeomGetBody(row->geom.g2);
+        if (body1 == body2) continue; /* since it was asked about */
         contact.surface = w->surfaces[row->surface];
         contact.geom = row->geom;
         dJointID joint = dJointCreateContact(w->id, w->contact_group, &contact);
-        dJointAttach(joint, dGeomGetBody(row->geom.g1), dGeomGetBody(row->geom.g2));
+        dJointAttach(joint, body1, body2);
         if (row->feedback >= 0) dJointSetFeedback(joint, &w->feedback[row->feedback]);
     }
     guard_leave();
@@ -210,13 +256,6 @@ void oo_export_velocities(const oo_world *w, double *out) {
     }
 }
 
-static int compare_pairs(const oo_touch *a, const oo_touch *b) {
-    if (a->slot1 != b->slot1) return a->slot1 < b->slot1 ? -1 : 1;
-    return a->slot2 < b->slot2 ? -1 : a->slot2 > b->slot2;
-}
-
-static int by_slots(const void *a, const void *b) { return compare_pairs(a, b); }
-
 static int add_event(oo_world *w, const oo_touch *touch, int state) {
     if (reserve(&w->events, &w->event_capacity, w->event_count + 1, sizeof *w->events)) return OO_NO_MEMORY;
     w->events[w->event_count] = *touch;
@@ -245,6 +284,7 @@ static int compare_touches(oo_world *w) {
         oo_touch *touch = &w->touching[i];
         for (unsigned int k = touch->first; k < touch->first + touch->count; k++) {
             oo_contact *row = &w->contacts[k];
+            if (row->feedback < 0) continue;
             const dReal *force = w->feedback[row->feedback].f1;
             /* f1 is what acts on the first body that there is: on that of geom 2 where geom 1 is static */
             double sign = dGeomGetBody(row->geom.g1) ? 1.0 : -1.0;
@@ -292,8 +332,15 @@ int oo_run(oo_world *w, unsigned int count) {
     dAllocateODEDataForThread(dAllocateMaskAll);
     w->broken_count = 0;
     while (done < count) {
-        if (w->servo_count) drive_servos(w);
-        int status = collide(w);
+        int status = OO_OK;
+        if (!w->asking) {
+            if (w->servo_count) drive_servos(w);
+            status = collide(w);
+            if (status == OO_OK) find_asked(w);
+            w->asking = status == OO_OK && w->asked_count;
+            if (w->asking) break;
+        }
+        w->asking = 0;
         if (status == OO_OK) status = respond(w);
         if (status == OO_OK) {
             status = integrate(w);
@@ -310,4 +357,9 @@ int oo_run(oo_world *w, unsigned int count) {
         if (w->event_count || w->broken_count) break;
     }
     return (int)done;
+}
+
+void oo_abandon(oo_world *w) {
+    w->asking = 0;
+    w->contact_count = w->touching_count = w->asked_count = 0;
 }

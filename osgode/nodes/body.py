@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -23,18 +22,17 @@ from osgode.nodes.bodystate import (
     write_position,
 )
 from osgode.nodes.realm import Realm
-from osgode.nodes.touch import checked_listener
+from osgode.nodes.touch import Listening
 
 if TYPE_CHECKING:
     from osgode.joints.base import Joint
     from osgode.nodes.geom import Geom
-    from osgode.nodes.touch import Touch
 
 MASSLESS = Mass(1.0)
 """What a body has in which nothing has mass: 1 kg and unit inertia, as a new body in ODE."""
 
 
-class Body(BodyState, Transform):
+class Body(Listening, BodyState, Transform):
     """A rigid body: parts placed below it by Placeables move as one.
 
     Its frame is the one that its author placed: `position` and `rotation` are that frame's, and
@@ -54,7 +52,6 @@ class Body(BodyState, Transform):
         self._index = -1
         self._com = ZERO
         self._joints: list[Joint] = []
-        self._touch_listeners: list[Callable[[Touch], object]] = []
 
     # -- pose
 
@@ -244,30 +241,6 @@ class Body(BodyState, Transform):
     def joints(self) -> tuple[Joint, ...]:
         """The joints that hold this body."""
         return tuple(self._joints)
-
-    def on_touch(self, listener: Callable[[Touch], object]) -> Callable[[Touch], object]:
-        """Have ``listener`` called after each step in which a geom of this body touches, or ceases to touch, another.
-
-        Usable as a decorator. It may change anything, this body included.
-        """
-        with self._changing("on_touch"):
-            self._touch_listeners.append(checked_listener(self, listener))
-            self._mark_listened()
-        return listener
-
-    def remove_on_touch(self, listener: Callable[[Touch], object]) -> None:
-        """Take back what `on_touch` registered.
-
-        Raises:
-            ValueError: if it isn't registered.
-        """
-        with self._changing("remove_on_touch"):
-            self._touch_listeners.remove(listener)
-            self._mark_listened()
-
-    def _mark_listened(self) -> None:
-        for geom in self.geoms:
-            geom._mark_listened()
 
     # -- entering and leaving
 

@@ -6,6 +6,8 @@ from abc import abstractmethod
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
 
+import numpy as np
+
 from osgode.errors import FieldError
 from osgode.fields import FLAG, Check, Field, FlagField, number, optional
 from osgode.graph.appearance import Appearance
@@ -21,18 +23,17 @@ from osgode.materials import (
 )
 from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3
 from osgode.native import ffi, lib
-from osgode.nodes.base import PhysicsNode, nearest_body
+from osgode.nodes.base import nearest_body
 from osgode.nodes.placeable import Placeable
-from osgode.nodes.touch import checked_listener
+from osgode.nodes.touch import Listening, contact_rows, listening_above
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from osgode.graph.node import Group
     from osgode.mass import Mass
     from osgode.nodes.body import Body
     from osgode.nodes.realm import Realm
-    from osgode.nodes.touch import Touch
 
 LOOKS: dict[str, Appearance] = {
     "default": Appearance((0.75, 0.75, 0.78, 1.0)),
@@ -72,6 +73,7 @@ class GeomFields(TypedDict, total=False):
     kind: str
     collides_with: str | set[str] | frozenset[str] | tuple[str, ...] | list[str] | None
     enabled: bool
+    sensor: bool
     mass: float | None
     density: float | None
     surface: Surface | None
@@ -79,7 +81,7 @@ class GeomFields(TypedDict, total=False):
     shown: Sequence[Drawable] | Drawable | None
 
 
-class Geom(PhysicsNode):
+class Geom(Listening):
     """A collision shape, and what is seen of it.
 
     Two geoms meet if each has the other's kind among what it collides with, unless both are static, belong to
@@ -87,6 +89,7 @@ class Geom(PhysicsNode):
     """
 
     PARENTS: ClassVar[tuple[str, ...]] = ("Placeable", "Space")
+    SHAPED = True
     SHAPE: ClassVar[int]
     """Which shape of the C core it is."""
     PLACED: ClassVar[bool] = True
@@ -103,6 +106,12 @@ class Geom(PhysicsNode):
         lambda geom: bool(lib.dGeomIsEnabled(geom._id)),
         lambda geom, value: lib.dGeomEnable(geom._id) if value else lib.dGeomDisable(geom._id),
         doc="Whether it collides.",
+    )
+    sensor = FlagField(
+        False,
+        FLAG,
+        after="_mark_listened",
+        doc="Whether it only reports what touches it, and pushes nothing.",
     )
     mass: Field[float | None, float | None] = Field(
         None,
@@ -145,7 +154,6 @@ class Geom(PhysicsNode):
         self._slot = -1
         self._mesh: Any = ffi.NULL
         self._own_drawables: tuple[Drawable, ...] | None = None
-        self._touch_listeners: list[Callable[[Touch], object]] = []
 
     # -- what a kind of geom provides
 
@@ -217,35 +225,35 @@ class Geom(PhysicsNode):
 
     # -- touching
 
-    def on_touch(self, listener: Callable[[Touch], object]) -> Callable[[Touch], object]:
-        """Have ``listener`` called after each step in which this geom touches, or ceases to touch, another.
-
-        Usable as a decorator. It may change anything, this geom included.
-        """
-        with self._changing("on_touch"):
-            self._touch_listeners.append(checked_listener(self, listener))
-            self._mark_listened()
-        return listener
-
-    def remove_on_touch(self, listener: Callable[[Touch], object]) -> None:
-        """Take back what `on_touch` registered.
+    @property
+    def touching(self) -> tuple[Geom, ...]:
+        """The geoms that it touched in the last step.
 
         Raises:
-            ValueError: if it isn't registered.
+            StateError: outside of a World.
         """
-        with self._changing("remove_on_touch"):
-            self._touch_listeners.remove(listener)
-            self._mark_listened()
+        realm = self._live("touching")
+        rows = contact_rows(realm, 0, realm.ptr.contact_count)
+        rows = rows[rows["surface"] != lib.OO_REFUSED]
+        others = np.concatenate(
+            [rows["slot2"][rows["slot1"] == self._slot], rows["slot1"][rows["slot2"] == self._slot]]
+        )
+        return tuple(geom for slot in np.unique(others) if isinstance(geom := realm.node_of_slot(int(slot)), Geom))
 
     def _mark_listened(self) -> None:
         if self._realm is None:
             return
-        body = self.body
         row = self._realm.ptr.geoms[self._slot]
-        if self._touch_listeners or (body is not None and body._touch_listeners):
-            row.flags |= lib.OO_LISTENED
+        above = listening_above(self)
+        for name, flag in (("_touch_listeners", lib.OO_LISTENED), ("_collide_listeners", lib.OO_ASKED)):
+            if any(getattr(node, name) for node in above):
+                row.flags |= flag
+            else:
+                row.flags &= ~flag
+        if self.sensor:
+            row.flags |= lib.OO_SENSOR
         else:
-            row.flags &= ~lib.OO_LISTENED
+            row.flags &= ~lib.OO_SENSOR
 
     # -- after changes
 
@@ -351,7 +359,7 @@ class Geom(PhysicsNode):
                 lib.dGeomClearOffset(self._id)
             lib.dGeomSetBody(self._id, native)
             self._place()
-            self._mark_listened()
+        self._mark_listened()
 
     def _place(self) -> None:
         if self._realm is None:

@@ -117,7 +117,8 @@ class Queries(PhysicsNode):
             StateError: outside of a World, or from another thread inside a step.
         """
         realm = self._live("cast_ray")
-        row, query, _keep = self._ray(realm, "cast_ray", origin, direction, length, kinds, exclude)
+        row = self._ray("cast_ray", origin, direction, length)
+        query, _keep = self._query(realm, "cast_ray", kinds, exclude)
         out = ffi.new("oo_hit *")
         with realm.editing():
             checked(lib.oo_cast_rays(realm.ptr, query, row, 1, out), f"{self.describe()}.cast_ray()")
@@ -134,7 +135,8 @@ class Queries(PhysicsNode):
     ) -> list[Hit]:
         """All geoms that a ray meets, each where it does so first, the nearest first; see `cast_ray`."""
         realm = self._live("cast_ray_through")
-        row, query, _keep = self._ray(realm, "cast_ray_through", origin, direction, length, kinds, exclude)
+        row = self._ray("cast_ray_through", origin, direction, length)
+        query, _keep = self._query(realm, "cast_ray_through", kinds, exclude)
         with realm.editing():
             count = lib.oo_cast_ray_through(realm.ptr, query, row)
             checked(count, f"{self.describe()}.cast_ray_through()")
@@ -226,22 +228,11 @@ class Queries(PhysicsNode):
 
     # -- what the C core is asked with
 
-    def _ray(
-        self,
-        realm: Realm,
-        call: str,
-        origin: Vec3Like,
-        direction: Vec3Like,
-        length: float,
-        kinds: Kinds,
-        exclude: Iterable[PhysicsNode],
-    ) -> tuple[Any, Any, Any]:
+    def _ray(self, call: str, origin: Vec3Like, direction: Vec3Like, length: float) -> Any:
         name = f"{self.describe()}.{call}()"
         start = vector(POSITION_LIMIT)(name, "origin", origin)
         way = DIRECTION(name, "direction", direction)
-        long = number(1e-6, LONGEST)(name, "length", length)
-        query, keep = self._query(realm, call, kinds, exclude)
-        return ffi.new("double[7]", [*start, *way, long]), query, keep
+        return ffi.new("double[7]", [*start, *way, number(1e-6, LONGEST)(name, "length", length)])
 
     def _ray_rows(self, origins: npt.ArrayLike, directions: npt.ArrayLike, lengths: npt.ArrayLike) -> FloatArray:
         name = f"{self.describe()}.cast_rays()"

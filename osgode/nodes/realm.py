@@ -52,6 +52,7 @@ class Realm:
         self._lock = threading.RLock()
         self._meshes: dict[int, tuple[Any, MeshData, int]] = {}
         self._own_surfaces: list[int] = []
+        self._lent: list[int] = []
         self.poses: FloatArray = np.zeros((0, POSE_WIDTH))
         self.previous: FloatArray = np.zeros((0, POSE_WIDTH))
         self._grow_tables(16)
@@ -211,6 +212,17 @@ class Realm:
     def give_surface(self, index: int) -> None:
         """Give that place back."""
         self._own_surfaces.append(index)
+
+    def lend_surface(self, row: Any) -> int:
+        """The same until the end of the step."""
+        index = self.take_surface(row)
+        self._lent.append(index)
+        return index
+
+    def take_back_surfaces(self) -> None:
+        """At the end of the step."""
+        self._own_surfaces += self._lent
+        self._lent.clear()
 
     # -- the end
 

@@ -11,6 +11,7 @@ from osgode.maths import Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.base import PhysicsNode, refuse
 from osgode.nodes.queries import Queries
+from osgode.nodes.touch import Listening
 
 if TYPE_CHECKING:
     from osgode.nodes.realm import Realm
@@ -21,7 +22,7 @@ MAX_GEOMS = 131_072
 """In one space: above, ODE's hash space aborts."""
 
 
-class Space(Queries, Group):
+class Space(Listening, Queries, Group):
     """Abstract: a group of bodies, placeables, geoms and other spaces that are looked through together.
 
     A space adds no transform. What collides with what is told to the World: ``world.collide(space)``.

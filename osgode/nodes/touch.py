@@ -9,13 +9,14 @@ import numpy as np
 
 from osgode.errors import FieldError, OsgodeError, shown
 from osgode.native import ffi, lib, row_dtype
+from osgode.nodes.base import PhysicsNode, physics_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from osgode.maths import FloatArray
-    from osgode.nodes.base import PhysicsNode
     from osgode.nodes.body import Body
+    from osgode.nodes.feedback import CollisionFeedback
     from osgode.nodes.geom import Geom
     from osgode.nodes.realm import Realm
 
@@ -89,15 +90,77 @@ class Touch:
         return self.other.body
 
 
-def checked_listener(node: PhysicsNode, listener: Callable[[Touch], object]) -> Callable[[Touch], object]:
-    """The listener, if it can be called.
+class Listening(PhysicsNode):
+    """A node whose collisions can be listened to: a geom its own, all others those of the geoms below them."""
 
-    Raises:
-        FieldError: if not.
-    """
-    if not callable(listener):
-        raise FieldError(f"{node.describe()}.on_touch().listener is {shown(listener)}; it must be callable")
-    return listener
+    _touch_listeners: tuple[Callable[[Touch], object], ...] = ()
+    _collide_listeners: tuple[Callable[[CollisionFeedback], object], ...] = ()
+
+    def on_touch(self, listener: Callable[[Touch], object]) -> Callable[[Touch], object]:
+        """Have ``listener`` called after each step in which a geom here touches, or ceases to touch, another.
+
+        Usable as a decorator. It may change anything, the geoms included. Two geoms below the same node are told once.
+        """
+        with self._changing("on_touch"):
+            self._touch_listeners = (*self._touch_listeners, self._checked("on_touch", listener))
+            self._mark_listened()
+        return listener
+
+    def remove_on_touch(self, listener: Callable[[Touch], object]) -> None:
+        """Take back what `on_touch` registered.
+
+        Raises:
+            ValueError: if it isn't registered.
+        """
+        with self._changing("remove_on_touch"):
+            self._touch_listeners = _without(self._touch_listeners, listener)
+            self._mark_listened()
+
+    def on_collide(self, listener: Callable[[CollisionFeedback], object]) -> Callable[[CollisionFeedback], object]:
+        """Have ``listener`` called in each step in which a geom here touches another, before anything comes of it.
+
+        It gets a `CollisionFeedback` and may refuse the contacts, or give them another surface. It may also change
+        anything else, the geoms included: contacts of what is gone, or no longer apart, are dropped. Usable as a
+        decorator. Two geoms below the same node are told once.
+        """
+        with self._changing("on_collide"):
+            self._collide_listeners = (*self._collide_listeners, self._checked("on_collide", listener))
+            self._mark_listened()
+        return listener
+
+    def remove_on_collide(self, listener: Callable[[CollisionFeedback], object]) -> None:
+        """Take back what `on_collide` registered.
+
+        Raises:
+            ValueError: if it isn't registered.
+        """
+        with self._changing("remove_on_collide"):
+            self._collide_listeners = _without(self._collide_listeners, listener)
+            self._mark_listened()
+
+    def _checked(self, call: str, listener: Any) -> Any:
+        if not callable(listener):
+            raise FieldError(f"{self.describe()}.{call}().listener is {shown(listener)}; it must be callable")
+        return listener
+
+    def _mark_listened(self) -> None:
+        for node in physics_nodes(self)[1:]:
+            if isinstance(node, Listening) and node.SHAPED:
+                node._mark_listened()
+
+    SHAPED: ClassVar[bool] = False
+    """Whether it is a geom."""
+
+
+def _without(listeners: tuple[Any, ...], gone: object) -> tuple[Any, ...]:
+    left = list(listeners)
+    left.remove(gone)
+    return tuple(left)
+
+
+def listening_above(node: PhysicsNode) -> list[Listening]:
+    """A node and those above it that can be listened to."""
+    return [each for each in (node, *node.ancestors) if isinstance(each, Listening)]
 
 
 def contact_rows(realm: Realm, first: int, count: int) -> np.ndarray[Any, np.dtype[Any]]:
@@ -138,12 +201,19 @@ def _calls(realm: Realm, event: Any) -> Iterator[tuple[Callable[[Touch], object]
     if None in geoms:
         raise OsgodeError(f"a touch names slots {event.slot1} and {event.slot2}, which no geom has: a fault in osgode")
     rows = bytes(_raw_rows(realm, event.first, event.count))
-    for geom, other in (geoms, geoms[::-1]):
-        body = geom.body
-        listeners = [*geom._touch_listeners, *(body._touch_listeners if body is not None else ())]
-        if not listeners:
-            continue
-        own = event.slot1 if geom is geoms[0] else event.slot2
-        touch = Touch(geom, other, Touch.STATES[event.state], event.impulse, own, rows)
+    for side, _, listeners in sides(geoms, "_touch_listeners"):
+        own = event.slot1 if side == 0 else event.slot2
+        touch = Touch(geoms[side], geoms[1 - side], Touch.STATES[event.state], event.impulse, own, rows)
         for listener in listeners:
             yield listener, touch
+
+
+def sides(geoms: Any, name: str) -> Iterator[tuple[int, PhysicsNode, tuple[Any, ...]]]:
+    """Who is to be told of a pair: which of the geoms is his, he, and his listeners; nobody twice."""
+    told: set[int] = set()
+    for side in (0, 1):
+        for node in listening_above(geoms[side]):
+            listeners = getattr(node, name)
+            if listeners and id(node) not in told:
+                told.add(id(node))
+                yield side, node, listeners

@@ -16,10 +16,11 @@ from osgode.maths import FloatArray, pose_matrices
 from osgode.native import checked, ffi, forward_messages, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
+from osgode.nodes.feedback import ask
 from osgode.nodes.queries import Queries
 from osgode.nodes.realm import Realm
 from osgode.nodes.spaces import Space
-from osgode.nodes.touch import contact_rows, tell_touches
+from osgode.nodes.touch import Listening, contact_rows, tell_touches
 from osgode.nodes.worldsettings import WorldFields, WorldSettings
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ JOINT_ROW = row_dtype("oo_joint_state")
 log = logging.getLogger("osgode")
 
 
-class World(Queries, WorldSettings, Group):
+class World(Listening, Queries, WorldSettings, Group):
     """The root of a simulation: bodies and spaces attached below it exist in ODE.
 
     What is dropped with the World turns into plain data again and keeps its state. A World may be used by one
@@ -193,6 +194,7 @@ class World(Queries, WorldSettings, Group):
     def _step(self, realm: Realm, count: int) -> None:
         ptr = realm.ptr
         left = count
+        errors: list[Exception] = []
         while left:
             if realm.pairs_changed:
                 self._send_pairs(realm)
@@ -206,6 +208,10 @@ class World(Queries, WorldSettings, Group):
                 left -= done
                 self._time += done * ptr.step_size
                 forward_messages()
+            if ptr.asking:
+                self._ask(realm, errors)
+                continue
+            realm.take_back_surfaces()
             broken = [joint._break() for joint in self._overloaded(realm)] if ptr.broken_count else []
             try:
                 if ptr.event_count and done:
@@ -213,6 +219,8 @@ class World(Queries, WorldSettings, Group):
             finally:  # a listener that fails keeps nobody from hearing
                 for tell_listeners in broken:
                     tell_listeners()
+                if errors:
+                    raise errors[0] if len(errors) == 1 else ExceptionGroup("several collide listeners failed", errors)
             if done:  # else nothing was collided, and the ends of touching are still to be told
                 self._forget_retired(realm)
             realm.broken = status == lib.OO_BROKEN
@@ -220,6 +228,13 @@ class World(Queries, WorldSettings, Group):
                 raise self._bad_body(realm.bodies[ptr.bad_body])
             if status < 0:
                 checked(status, f"{self.describe()} step {ptr.steps + 1}")
+
+    def _ask(self, realm: Realm, errors: list[Exception]) -> None:
+        try:
+            errors += ask(realm)
+        except BaseException:  # a step that can't go on is as if it had not begun
+            lib.oo_abandon(realm.ptr)
+            raise
 
     def _overloaded(self, realm: Realm) -> list[Joint]:
         """The joints that broke in the last step."""
@@ -289,7 +304,8 @@ class World(Queries, WorldSettings, Group):
         say which geoms (`geom_of_slot`); ``force`` (N, on the first) where somebody listens.
         """
         realm = self._live("contacts")
-        return contact_rows(realm, 0, realm.ptr.contact_count)
+        rows = contact_rows(realm, 0, realm.ptr.contact_count)
+        return rows[rows["surface"] != lib.OO_REFUSED] if realm.ptr.asked_count else rows
 
     def geom_of_slot(self, slot: int) -> PhysicsNode | None:
         """The geom that a contact row names, None if it is gone."""
