@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from osgode.errors import FieldError, shown
-from osgode.fields import Check, choice, number
+from osgode.fields import DIRECTION, Check, choice, number
+from osgode.maths import Vec3Like
 from osgode.native import ffi, lib
 from osgode.springs import implicit
 
@@ -154,7 +155,10 @@ class Surface:
         friction: Coulomb's coefficient (or the force limit in N, see ``model``); may be infinite.
         bounce: part of the approach speed that comes back, 0 to 1.
         bounce_velocity: m/s below which nothing bounces, so that things come to rest.
-        slip: sideways speed per force, m/(s N): wet surfaces, tyres.
+        slip: speed of sliding per force, m/(s N): wet surfaces, tyres.
+        direction: in the axes of the geom whose own surface it is: ``friction`` and ``slip`` act along it. A tyre's is its
+            axle, and what acts along it holds the lane. None: the same all round, and no other figures are needed.
+        friction_across, slip_across: the same across the direction; as along it where None.
         soft_erp, soft_cfm: softness of the contact, the World's where None.
         stiffness, damping: the same as a spring in N/m with a damper in N s/m at each contact point, instead of
             soft_erp and soft_cfm; the World's step size is taken into account.
@@ -170,6 +174,9 @@ class Surface:
     bounce: float = 0.0
     bounce_velocity: float = 0.1
     slip: float = 0.0
+    direction: Vec3Like | None = None
+    friction_across: float | None = None
+    slip_across: float | None = None
     soft_erp: float | None = None
     soft_cfm: float | None = None
     stiffness: float | None = None
@@ -183,6 +190,13 @@ class Surface:
         self._within("bounce", 0.0, 1.0)
         self._within("bounce_velocity", 0.0, 1e6)
         self._within("slip", 0.0, 1e6)
+        if self.direction is not None:
+            object.__setattr__(self, "direction", DIRECTION("Surface", "direction", self.direction))
+        for name, high in (("friction_across", math.inf), ("slip_across", 1e6)):
+            if getattr(self, name) is not None:
+                self._within(name, 0.0, high)
+                if self.direction is None:
+                    raise FieldError(f"Surface: {name} needs a direction that it acts across")
         self._within("rolling_friction", 0.0, 1e6)
         if self.soft_erp is not None:
             self._within("soft_erp", 0.0, 1.0)
@@ -215,9 +229,13 @@ class Surface:
         if self.bounce > 0.0:
             mode |= lib.dContactBounce
             row.bounce, row.bounce_vel = self.bounce, self.bounce_velocity
-        if self.slip > 0.0:
+        if self.friction_across is not None:
+            mode |= lib.dContactMu2
+            row.mu2 = self.friction_across
+        across = self.slip if self.slip_across is None else self.slip_across
+        if self.slip > 0.0 or across > 0.0:
             mode |= lib.dContactSlip1 | lib.dContactSlip2
-            row.slip1 = row.slip2 = self.slip
+            row.slip1, row.slip2 = self.slip, across
         erp, cfm = (self.soft_erp, self.soft_cfm) if self.spring is None else implicit(*self.spring, step_size)
         if erp is not None:
             mode |= lib.dContactSoftERP
@@ -240,7 +258,7 @@ class SurfaceTable:
 
     def __init__(self, rows: dict[tuple[str, str], Surface] | None = None, fallback: Surface | None = None) -> None:
         self._rows: dict[tuple[str, str], Surface] = {}
-        self._fallback = Surface() if fallback is None else _surface(fallback)
+        self._fallback = Surface() if fallback is None else _undirected(_surface(fallback))
         self._changed: weakref.WeakMethod[Callable[[], None]] | None = None
         for pair, surface in (rows or {}).items():
             self[pair] = surface
@@ -252,7 +270,7 @@ class SurfaceTable:
 
     @fallback.setter
     def fallback(self, surface: Surface) -> None:
-        old, self._fallback = self._fallback, _surface(surface)
+        old, self._fallback = self._fallback, _undirected(_surface(surface))
         try:
             self._notify()
         except BaseException:
@@ -264,6 +282,7 @@ class SurfaceTable:
 
     def __setitem__(self, pair: tuple[str, str], surface: Surface) -> None:
         rows = self._rows
+        _undirected(_surface(surface))
         self._rows = {**rows, self._key(pair): _surface(surface)}
         try:
             self._notify()
@@ -309,6 +328,12 @@ def _surface(value: object) -> Surface:
     if not isinstance(value, Surface):
         raise FieldError(f"surface is {shown(value)}; it must be a Surface")
     return value
+
+
+def _undirected(surface: Surface) -> Surface:
+    if surface.direction is not None:
+        raise FieldError("a Surface with a direction must be a geom's own: a pair of materials has no axes")
+    return surface
 
 
 define_kind("default")

@@ -16,11 +16,12 @@ oo_world *oo_world_new(void) {
     oo_world *w = calloc(1, sizeof *w);
     if (!w) return NULL;
     w->surfaces = calloc(PAIR_SURFACES, sizeof *w->surfaces);
+    w->directions = calloc(3 * PAIR_SURFACES, sizeof *w->directions);
     w->surface_count = PAIR_SURFACES;
     w->bad_body = -1;
     w->max_contacts = 1;
     int made = 0;
-    if (w->surfaces && !guard_enter()) {
+    if (w->surfaces && w->directions && !guard_enter()) {
         w->id = dWorldCreate();
         w->contact_group = dJointGroupCreate(0);
         made = w->id && w->contact_group && use_own_threading(w) == OO_OK;
@@ -28,6 +29,7 @@ oo_world *oo_world_new(void) {
     }
     if (!made) {
         free(w->surfaces);
+        free(w->directions);
         free(w);
         return NULL;
     }
@@ -65,6 +67,7 @@ void oo_world_free(oo_world *w) {
     free(w->retired_slots);
     free(w->pairs);
     free(w->surfaces);
+    free(w->directions);
     free(w->contacts);
     free(w->feedback);
     free(w->touching);
@@ -85,15 +88,18 @@ int oo_set_pairs(oo_world *w, const oo_pair *pairs, unsigned int count) {
     return OO_OK;
 }
 
-int oo_set_surface(oo_world *w, unsigned int index, const dSurfaceParameters *surface) {
+int oo_set_surface(oo_world *w, unsigned int index, const dSurfaceParameters *surface, const double direction[3]) {
     if (index >= w->surface_count) {
         dSurfaceParameters *moved = realloc(w->surfaces, (index + 1) * sizeof *moved);
-        if (!moved) return OO_NO_MEMORY;
+        if (moved) w->surfaces = moved;
+        double *directions = realloc(w->directions, (index + 1) * 3 * sizeof *directions);
+        if (directions) w->directions = directions;
+        if (!moved || !directions) return OO_NO_MEMORY;
         memset(moved + w->surface_count, 0, (index + 1 - w->surface_count) * sizeof *moved);
-        w->surfaces = moved;
         w->surface_count = index + 1;
     }
     w->surfaces[index] = *surface;
+    memcpy(w->directions + 3 * index, direction, 3 * sizeof *direction);
     return OO_OK;
 }
 

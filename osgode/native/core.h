@@ -30,7 +30,8 @@ enum oo_geom_flags {
     OO_IS_MESH = 8,     /* collided under a process-wide lock: OPCODE's caches are global */
     OO_IS_CYLINDER = 16,
     OO_ASKED = 32,      /* somebody in Python wants to be asked before its contacts act */
-    OO_SENSOR = 64      /* it is touched and never responds */
+    OO_SENSOR = 64,     /* it is touched and never responds */
+    OO_IS_BELT = 128
 };
 
 enum { OO_REFUSED = 0x7fffffff }; /* as the surface of a contact row: it doesn't act */
@@ -49,6 +50,7 @@ typedef struct oo_geom {
     unsigned int material;          /* 0 to 15 */
     unsigned int surface;           /* own surface, an index above the pair table; 0: none */
     unsigned int flags;
+    float velocity[3];              /* of its surface against itself, along its own axes, with OO_IS_BELT */
 } oo_geom;
 
 typedef struct oo_contact {
@@ -139,6 +141,7 @@ typedef struct oo_world {
     int ode_broad;                  /* pairs are found by ODE's spaces, in their order */
     oo_broad *broad;
     dSurfaceParameters *surfaces;   /* 16 x 16 for pairs of materials, then own surfaces of geoms */
+    double *directions;             /* 3 for each of these: along what its first friction acts, 0 0 0: anything */
     unsigned int surface_count;
 
     oo_contact *contacts;
@@ -181,8 +184,10 @@ int oo_take_message(char *text, unsigned int size);
 oo_world *oo_world_new(void);
 void oo_world_free(oo_world *);
 int oo_set_pairs(oo_world *, const oo_pair *, unsigned int count);
-/* Set one surface, growing the table as needed. */
-int oo_set_surface(oo_world *, unsigned int index, const dSurfaceParameters *);
+/* Set one surface, growing the table as needed. The direction, in the axes of the geom whose own surface it is, may be
+   0 0 0. */
+int oo_set_surface(oo_world *, unsigned int index, const dSurfaceParameters *, const double direction[3]);
+void oo_geom_set_velocity(oo_world *, unsigned int slot, const double velocity[3]);
 
 /* An index into world.bodies, or a status below 0. The caller keeps table_capacity above body_count. */
 int oo_body_new(oo_world *);

@@ -143,6 +143,15 @@ static void mesh_destroy(oo_mesh *mesh) {
     free(mesh);
 }
 
+void oo_geom_set_velocity(oo_world *w, unsigned int slot, const double velocity[3]) {
+    oo_geom *geom = &w->geoms[slot];
+    geom->flags &= ~(unsigned int)OO_IS_BELT;
+    for (int k = 0; k < 3; k++) {
+        geom->velocity[k] = (float)velocity[k];
+        if (velocity[k] != 0) geom->flags |= OO_IS_BELT;
+    }
+}
+
 oo_mesh *oo_mesh_new(oo_world *w, const double *vertices, unsigned int vertex_count, const unsigned int *triangles,
                      unsigned int triangle_count) {
     oo_mesh *mesh = calloc(1, sizeof *mesh);

@@ -46,6 +46,14 @@ HIDDEN void random_end(oo_world *);
 /* A threading implementation of the World's own: ODE's default one is shared by all worlds and races. */
 HIDDEN int use_own_threading(oo_world *);
 
+static inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline void cross(double *out, const double *a, const double *b) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 /* The pose of the frame that the author placed, 7 doubles. */
 HIDDEN void write_pose(const oo_body *, double *row);
 

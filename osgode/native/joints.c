@@ -263,14 +263,6 @@ double oo_joint_get_param(const oo_joint *joint, int code) {
 
 /* ------------------------------------------------------------------ what it reads */
 
-static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(double *out, const double *a, const double *b) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* Angular velocity of body 1 as body 2 sees it, along the axes of the world. */
 static void spin(dJointID id, double *out) {
     dBodyID body2 = dJointGetBody(id, 1);

@@ -168,6 +168,50 @@ static void drop_refused(oo_world *w) {
     w->touching_count = kept;
 }
 
+/* A direction along the axes of a geom, in the world. */
+static void from_geom(const oo_geom *geom, const double *own, double *world) {
+    memcpy(world, own, 3 * sizeof *world);
+    if (dGeomGetClass(geom->id) == dPlaneClass) return; /* it stands in world axes */
+    const dReal *r = dGeomGetRotation(geom->id);
+    for (int k = 0; k < 3; k++) world[k] = r[4 * k] * own[0] + r[4 * k + 1] * own[1] + r[4 * k + 2] * own[2];
+}
+
+static void add_velocity(const oo_geom *geom, double sign, double *sum) {
+    if (!(geom->flags & OO_IS_BELT)) return;
+    double own[3] = {geom->velocity[0], geom->velocity[1], geom->velocity[2]}, velocity[3];
+    from_geom(geom, own, velocity);
+    for (int k = 0; k < 3; k++) sum[k] += sign * velocity[k];
+}
+
+/* Which way the friction of a contact acts, where it is not the same all round, or where a surface moves by itself. */
+static void direct(const oo_world *w, const oo_contact *row, dContact *contact) {
+    const oo_geom *a = &w->geoms[row->slot1], *b = &w->geoms[row->slot2];
+    const double *own = w->directions + 3 * row->surface;
+    int directed = own[0] != 0 || own[1] != 0 || own[2] != 0;
+    if (!directed && !((a->flags | b->flags) & OO_IS_BELT)) return;
+    /* ODE turns the normal round, and means body 2 against the world, where body 1 is static. */
+    double side = dGeomGetBody(row->geom.g1) ? 1 : -1, belt[3] = {0}, normal[3], first[3], second[3];
+    add_velocity(b, side, belt);
+    add_velocity(a, -side, belt);
+    for (int k = 0; k < 3; k++) normal[k] = side * row->geom.normal[k];
+    if (directed)
+        from_geom(a->surface == row->surface ? a : b, own, first);
+    else
+        memcpy(first, belt, sizeof first);
+    double off = dot(first, normal), length = 0;
+    for (int k = 0; k < 3; k++) {
+        first[k] -= off * normal[k];
+        length += first[k] * first[k];
+    }
+    if (length < 1e-12) return; /* it points into the ground: nothing to go by */
+    for (int k = 0; k < 3; k++) first[k] /= sqrt(length);
+    cross(second, normal, first);
+    memcpy(contact->fdir1, first, sizeof first);
+    contact->surface.mode |= dContactFDir1 | dContactMotion1 | dContactMotion2;
+    contact->surface.motion1 = dot(belt, first);
+    contact->surface.motion2 = dot(belt, second);
+}
+
 static int respond(oo_world *w) {
     if (w->asked_count) drop_refused(w);
     unsigned int listened = 0;
@@ -189,6 +233,7 @@ static int respond(oo_world *w) {
         if (body1 == body2) continue; /* since it was asked about */
         contact.surface = w->surfaces[row->surface];
         contact.geom = row->geom;
+        direct(w, row, &contact);
         dJointID joint = dJointCreateContact(w->id, w->contact_group, &contact);
         dJointAttach(joint, body1, body2);
         if (row->feedback >= 0) dJointSetFeedback(joint, &w->feedback[row->feedback]);

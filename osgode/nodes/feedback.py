@@ -107,6 +107,8 @@ class CollisionFeedback:
         """
         if not isinstance(surface, Surface):
             raise FieldError(f"CollisionFeedback.set_surface(): {shown(surface)} is no Surface")
+        if surface.direction is not None:
+            raise FieldError("CollisionFeedback.set_surface(): a Surface with a direction must be a geom's own")
         realm = self._realm
         if realm is not None and not self.refused:
             self._set_surface(realm.lend_surface(surface.row(realm.ptr.step_size)))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
 import numpy as np
 
 from osgode.errors import FieldError
-from osgode.fields import FLAG, Check, Field, FlagField, number, optional
+from osgode.fields import FLAG, Check, Field, FlagField, VectorField, number, optional, vector
 from osgode.graph.appearance import Appearance
 from osgode.graph.drawable import Drawable
 from osgode.materials import (
@@ -21,7 +21,7 @@ from osgode.materials import (
     collide_bits,
     material,
 )
-from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3
+from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.base import nearest_body
 from osgode.nodes.placeable import Placeable
@@ -77,6 +77,7 @@ class GeomFields(TypedDict, total=False):
     mass: float | None
     density: float | None
     surface: Surface | None
+    surface_velocity: Vec3Like
     appearance: Appearance | None
     shown: Sequence[Drawable] | Drawable | None
 
@@ -132,6 +133,13 @@ class Geom(Listening):
         _instance_check(Surface, "a Surface"),
         after="_resurfaced",
         doc="Its own surface instead of the table's; where both geoms have one, that of lower friction counts.",
+    )
+    surface_velocity = VectorField(
+        ZERO,
+        vector(1e6),
+        after="_belted",
+        unit="m/s",
+        doc="Of its surface against itself, along its own axes: a conveyor belt's. It adds to what the surfaces say.",
     )
     appearance: Field[Appearance | None, Appearance | None] = Field(
         None,
@@ -296,7 +304,13 @@ class Geom(Listening):
             self._realm.give_surface(row.surface)
             row.surface = 0
         if self.surface is not None:
-            row.surface = self._realm.take_surface(self.surface.row(self._realm.ptr.step_size))
+            own = self.surface.row(self._realm.ptr.step_size)
+            row.surface = self._realm.take_surface(own, self.surface.direction or ZERO)
+
+    def _belted(self) -> None:
+        if self._realm is not None:
+            lib.oo_geom_set_velocity(self._realm.ptr, self._slot, tuple(self.surface_velocity))
+            lib.oo_wake_touching(self._realm.ptr, self._slot)
 
     def _surface_again(self) -> None:
         if self.surface is not None and self.surface.spring is not None:
@@ -333,6 +347,7 @@ class Geom(Listening):
         self._enter_fields()
         self._marked()
         self._resurfaced()
+        self._belted()
         self._mark_listened()
 
     def _leave(self) -> None:

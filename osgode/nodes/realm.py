@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from osgode.errors import PhysicsError, StateError
-from osgode.maths import FloatArray
+from osgode.maths import FloatArray, Vec3Like
 from osgode.native import ffi, lib
 
 if TYPE_CHECKING:
@@ -202,10 +202,10 @@ class Realm:
         else:
             lib.oo_mesh_free(self.ptr, native)
 
-    def take_surface(self, row: Any) -> int:
+    def take_surface(self, row: Any, direction: Vec3Like = (0.0, 0.0, 0.0)) -> int:
         """A place for the surface of one geom in the C core's table, behind those of the pairs."""
         index = self._own_surfaces.pop() if self._own_surfaces else self.ptr.surface_count
-        if lib.oo_set_surface(self.ptr, index, row) != lib.OO_OK:
+        if lib.oo_set_surface(self.ptr, index, row, tuple(direction)) != lib.OO_OK:
             raise PhysicsError("out of memory")
         return int(index)
 

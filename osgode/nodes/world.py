@@ -89,7 +89,7 @@ class World(Listening, Queries, WorldSettings, Group):
             table = [surface for row in self._surfaces.matrix() for surface in row]
             rows = {surface: surface.row(self.step_size) for surface in set(table)}
             for index, surface in enumerate(table):
-                checked(lib.oo_set_surface(realm.ptr, index, rows[surface]), "surfaces")
+                checked(lib.oo_set_surface(realm.ptr, index, rows[surface], (0.0, 0.0, 0.0)), "surfaces")
 
     def _resized_step(self) -> None:
         self._softened()
