@@ -156,8 +156,8 @@ class Surface:
         bounce: part of the approach speed that comes back, 0 to 1.
         bounce_velocity: m/s below which nothing bounces, so that things come to rest.
         slip: speed of sliding per force, m/(s N): wet surfaces, tyres.
-        direction: in the axes of the geom whose own surface it is: ``friction`` and ``slip`` act along it. A tyre's is its
-            axle, and what acts along it holds the lane. None: the same all round, and no other figures are needed.
+        direction: in the axes of the geom whose own surface it is: ``friction`` and ``slip`` act along it. A tyre's is
+            its axle: what acts along it holds the lane. None: the same all round.
         friction_across, slip_across: the same across the direction; as along it where None.
         soft_erp, soft_cfm: softness of the contact, the World's where None.
         stiffness, damping: the same as a spring in N/m with a damper in N s/m at each contact point, instead of
@@ -190,18 +190,16 @@ class Surface:
         self._within("bounce", 0.0, 1.0)
         self._within("bounce_velocity", 0.0, 1e6)
         self._within("slip", 0.0, 1e6)
-        if self.direction is not None:
-            object.__setattr__(self, "direction", DIRECTION("Surface", "direction", self.direction))
-        for name, high in (("friction_across", math.inf), ("slip_across", 1e6)):
-            if getattr(self, name) is not None:
-                self._within(name, 0.0, high)
-                if self.direction is None:
-                    raise FieldError(f"Surface: {name} needs a direction that it acts across")
+        self._check_direction()
         self._within("rolling_friction", 0.0, 1e6)
         if self.soft_erp is not None:
             self._within("soft_erp", 0.0, 1.0)
         if self.soft_cfm is not None:
             self._within("soft_cfm", 1e-12, 1e6)
+        self._check_spring()
+        choice("pyramid", "force limit")("Surface", "model", self.model)
+
+    def _check_spring(self) -> None:
         for name in ("stiffness", "damping"):
             if getattr(self, name) is not None:
                 self._within(name, 0.0, 1e15)
@@ -209,7 +207,15 @@ class Surface:
             raise FieldError("Surface: give either stiffness and damping, or soft_erp and soft_cfm")
         if self.spring == (0.0, 0.0):
             raise FieldError("Surface: stiffness and damping are both 0; one of them must be above 0")
-        choice("pyramid", "force limit")("Surface", "model", self.model)
+
+    def _check_direction(self) -> None:
+        if self.direction is not None:
+            object.__setattr__(self, "direction", DIRECTION("Surface", "direction", self.direction))
+        for name, high in (("friction_across", math.inf), ("slip_across", 1e6)):
+            if getattr(self, name) is not None:
+                self._within(name, 0.0, high)
+                if self.direction is None:
+                    raise FieldError(f"Surface: {name} needs a direction that it acts across")
 
     def _within(self, name: str, low: float, high: float) -> None:
         value = number(low, high, infinite=True)("Surface", name, getattr(self, name))
