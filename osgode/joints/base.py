@@ -175,6 +175,13 @@ class Joint(HasFields):
         self._poses()
         return self._changing("anchoring it")
 
+    def _shift_rest(self, body: Body, by: Vec3) -> None:
+        """Move the pose of rest of ``body``, ``by`` along its axes, as its frame has moved against what is held."""
+        self._rest = tuple(
+            Pose(rest.transform(by), rest.rotation) if each is body else rest
+            for each, rest in zip(self._bodies, self._rest, strict=True)
+        )
+
     def _rest_anew(self) -> None:
         """Take the present poses as those of rest."""
         self._rest = self._poses()
