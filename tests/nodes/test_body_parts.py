@@ -486,3 +486,42 @@ def test_a_cube_of_triangles_is_a_part_like_any():
     body.attach(oo.Placeable(position=(1, 0, 0))).attach(oo.Trimesh(CUBE, mass=6.0))
     assert body.centre_of_mass == near((1, 0, 0))
     assert body.inertia == pytest.approx(np.identity(3))
+
+
+@pytest.mark.parametrize("mass", [0.0, 1.0])
+def test_a_geom_that_moves_to_another_place_of_its_body_is_there(mass):
+    """Also where that changes no mass: a weightless part, or a body that does not follow its parts."""
+    world = oo.World()
+    body = world.attach(oo.Body(auto_recentre=mass == 0.0))
+    here, there = body.attach(oo.Placeable()), body.attach(oo.Placeable(position=(3, 0, 0), rotation=(0, 1, 0, 0)))
+    geom = here.attach(oo.Box(mass=mass))
+    geom.move_to(there)
+    assert tuple(ffi.unpack(lib.dGeomGetPosition(geom._id), 3)) == near((3, 0, 0))
+    out = ffi.new("dQuaternion")
+    lib.dGeomGetQuaternion(geom._id, out)
+    assert tuple(out) == near((0, 1, 0, 0))
+    geom.move_to(here)
+    assert tuple(ffi.unpack(lib.dGeomGetPosition(geom._id), 3)) == near((0, 0, 0))
+
+
+def test_a_static_geom_that_moves_to_another_place_is_there():
+    world = oo.World()
+    space = world.attach(oo.HashSpace())
+    here, there = space.attach(oo.Placeable(position=(1, 0, 0))), space.attach(oo.Placeable(position=(3, 0, 0)))
+    geom = here.attach(oo.Box())
+    for place in (there, space, here):
+        geom.move_to(place)
+        wanted = place.position if isinstance(place, oo.Placeable) else (0, 0, 0)
+        assert tuple(ffi.unpack(lib.dGeomGetPosition(geom._id), 3)) == near(wanted)
+        low, high = geom.bounds
+        assert (low + high) / 2 == near(wanted)
+
+
+def test_a_body_that_enters_at_the_origin_has_its_centre_where_its_parts_are():
+    """Nothing of its state was recorded then, so nothing else would put it there."""
+    body = oo.Body()
+    body.attach(part((1, 2, 3)))
+    world = oo.World()
+    world.attach(body)
+    assert native_position(body) == (1, 2, 3)
+    assert body.position == (0, 0, 0)

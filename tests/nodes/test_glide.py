@@ -66,10 +66,12 @@ def test_it_arrives_at_the_very_bits_and_stands_still(start, end, steps):
     assert body.gliding
     world.step()
     assert not body.gliding
-    for _ in range(2):
-        assert (body.position, body.rotation) == (twin.position, twin.rotation)
-        assert body.linear_velocity == body.angular_velocity == (0, 0, 0)
-        world.step(5)
+    assert (body.position, body.rotation) == (twin.position, twin.rotation)
+    assert body.linear_velocity == body.angular_velocity == (0, 0, 0)
+    world.step(5)  # in which ODE normalises the quaternion of each body anew, which may change its last bit
+    assert body.position == near(twin.position, 1e-12)
+    assert body.rotation == near(twin.rotation, 1e-15)
+    assert body.linear_velocity == body.angular_velocity == (0, 0, 0)
 
 
 def test_without_an_offset_the_bits_are_those_that_were_asked_for():
