@@ -59,7 +59,7 @@ def crate(space, position, edge=0.5, mass=10.0):
 def test_it_arrives_at_the_very_bits_and_stands_still(start, end, steps):
     """As if position and rotation had been set, wherever the centre of mass is; and there it stays."""
     world, body = lopsided(position=start.position, rotation=start.rotation)
-    twin = lopsided(position=start.position, rotation=start.rotation)[1]
+    _other, twin = lopsided(position=start.position, rotation=start.rotation)
     twin.rotation, twin.position = end.rotation, end.position
     body.glide_to(end.position, end.rotation, seconds=steps * STEP)
     world.step(steps - 1)
