@@ -1,17 +1,18 @@
-"""Builds the C extension: reads the declarations in osgode/native/, compiles the C files there, links Debian's libode."""
+"""Builds the C extension: reads the declarations in osgode/native/, compiles the C files, links Debian's libode."""
 
 from pathlib import Path
 
 from cffi import FFI
 
 NATIVE = Path("osgode") / "native"
+UNITS = ("support", "core", "glide", "geoms", "joints", "broad", "step", "queries")
 
 ffi = FFI()
 ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())
 ffi.set_source(
     "osgode.native._core",
     '#include <ode/ode.h>\n#include "core.h"\n',
-    sources=[str(NATIVE / f"{name}.c") for name in ("support", "core", "geoms", "joints", "broad", "step", "queries")],
+    sources=[str(NATIVE / f"{name}.c") for name in UNITS],
     include_dirs=[str(NATIVE)],
     depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "ode.cdef")],
     libraries=["ode", "m", "dl", "pthread"],

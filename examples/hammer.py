@@ -1,8 +1,8 @@
 """A hammer with a wooden handle and a steel head is thrown and spins about its centre of mass.
 
-Shows a composite body: two parts with masses of their own, from which the centre of mass follows. The yellow ball
-marks it, and the yellow beads the parabola on which it flies; the red ones are the way of the handle's end. Also shows
-visual nodes beside and below physics nodes, and an update callback.
+Shows a composite body: two parts with masses of their own, from which the centre of mass follows. The ball in black
+and yellow marks it, and the yellow beads the parabola on which it flies; the red ones are the way of the handle's
+end. Also shows visual nodes beside physics nodes, and an update callback.
 """
 
 from __future__ import annotations
@@ -40,9 +40,7 @@ class Hammer(Example):
         )
         self.throw()
 
-        centre = oo.sphere_drawable(0.1, oo.Appearance((*YELLOW, 1.0), unlit=True))
-        mark = self.hammer.attach(oo.PositionAttitudeTransform(position=self.hammer.centre_of_mass))
-        mark.attach(oo.Leaf([centre]))
+        self.hammer.attach(oo.CentreOfMass(radius=0.13))
         self.centres = self.root.attach(Beads(0.035, YELLOW))
         self.ends = self.root.attach(Beads(0.03, RED))
         self.root.on_update(self.leave_beads)

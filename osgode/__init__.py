@@ -18,7 +18,13 @@ from osgode.graph.leaf import Leaf, Switch
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
-from osgode.graph.shapes import box_drawable, capsule_drawable, cylinder_drawable, sphere_drawable
+from osgode.graph.shapes import (
+    box_drawable,
+    capsule_drawable,
+    centre_of_mass_drawable,
+    cylinder_drawable,
+    sphere_drawable,
+)
 from osgode.graph.transforms import MatrixTransform, PositionAttitudeTransform, Transform
 from osgode.graph.visitors import UpdateVisitor, Visitor
 from osgode.joints.ball import Ball
@@ -41,6 +47,7 @@ from osgode.maths import Pose, Quat, QuatLike, Vec3, Vec3Like, look_at
 from osgode.native import live_natives
 from osgode.nodes.base import PhysicsNode
 from osgode.nodes.body import Body
+from osgode.nodes.centreofmass import CentreOfMass
 from osgode.nodes.geom import Geom
 from osgode.nodes.meshdata import MeshData
 from osgode.nodes.placeable import Placeable
@@ -64,6 +71,7 @@ __all__ = [
     "Body",
     "Box",
     "Capsule",
+    "CentreOfMass",
     "CullVisitor",
     "Cylinder",
     "DoubleBall",
@@ -133,6 +141,7 @@ __all__ = [
     "World",
     "box_drawable",
     "capsule_drawable",
+    "centre_of_mass_drawable",
     "cylinder_drawable",
     "define_kind",
     "define_material",

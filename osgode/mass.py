@@ -16,6 +16,8 @@ from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3, Vec3Like
 Matrix3: TypeAlias = tuple[Vec3, Vec3, Vec3]
 
 TOTAL: Check[float] = number(SMALLEST, 1e15)
+ROUNDING = 1e-12
+"""What is left of a mass after a subtraction, when that was all of it."""
 CENTRE: Check[Vec3] = vector(OFFSET_LIMIT)
 
 
@@ -158,6 +160,46 @@ class Mass:
         centre = (self.centre * self.mass + other.centre * other.mass) / m
         tensor = self.inertia_about(centre) + other.inertia_about(centre)
         return Mass(m, centre, _rows(tensor))
+
+    def __radd__(self, other: object) -> Mass:
+        """So that ``sum()``, which begins with 0, adds masses."""
+        return self if isinstance(other, int) and other == 0 else NotImplemented
+
+    def __sub__(self, other: Mass) -> Mass:
+        """What is left when ``other`` is cut out, by the parallel-axis theorem: ``(a + b) - b`` is ``a``.
+
+        Raises:
+            FieldError: if nothing real is left: ``other`` is no part of this, or all of it.
+        """
+        if not isinstance(other, Mass):
+            return NotImplemented
+        m = self.mass - other.mass
+        whole = f"{self.mass:g} kg about {tuple(self.centre)} less {other.mass:g} kg about {tuple(other.centre)}"
+        if m <= ROUNDING * self.mass:
+            raise FieldError(f"{whole}: nothing is left; the second must be a part of the first")
+        centre = (self.centre * self.mass - other.centre * other.mass) / m
+        tensor = self.inertia_about(centre) - other.inertia_about(centre)
+        try:
+            return Mass(m, centre, _rows(tensor))
+        except FieldError as error:
+            raise FieldError(
+                f"{whole} leaves nothing real, so the second must be no part of the first: {error}"
+            ) from error
+
+    def __mul__(self, factor: float) -> Mass:
+        """The same distribution ``factor`` times as heavy, as of another density."""
+        if not isinstance(factor, (int, float, np.integer, np.floating)) or isinstance(factor, bool):
+            return NotImplemented
+        return self.scaled(number(0.0, 1e30)("Mass *", "factor", factor) * self.mass)
+
+    def __rmul__(self, factor: float) -> Mass:
+        return self * factor
+
+    def __truediv__(self, divisor: float) -> Mass:
+        """The same distribution with that part of the mass."""
+        if not isinstance(divisor, (int, float, np.integer, np.floating)) or isinstance(divisor, bool):
+            return NotImplemented
+        return self.scaled(self.mass / number(1e-30, 1e30)("Mass /", "divisor", divisor))
 
     def inertia_about(self, point: Vec3Like) -> npt.NDArray[np.float64]:
         """The inertia tensor about another point, 3x3, by the parallel-axis theorem."""

@@ -83,6 +83,8 @@ class Stand:
         if isinstance(self.node, oo.Joint):
             self.space.attach(self.node.body1)
             self.space.attach(self.other)
+        elif isinstance(self.node, oo.CentreOfMass):
+            self.home.parent.attach(self.node)
         elif isinstance(self.node, oo.Geom) and not isinstance(self.node, oo.Plane):
             self.home.attach(self.node)
         else:
@@ -105,6 +107,7 @@ MAKERS: dict[type, Callable[[Stand], Any]] = {
     oo.QuadTreeSpace: lambda _: oo.QuadTreeSpace(name="it"),
     oo.SweepAndPruneSpace: lambda _: oo.SweepAndPruneSpace(name="it"),
     oo.Body: lambda _: oo.Body(name="it"),
+    oo.CentreOfMass: lambda _: oo.CentreOfMass(name="it"),
     oo.Placeable: lambda _: oo.Placeable(name="it"),
     oo.Box: lambda _: oo.Box(name="it"),
     oo.Sphere: lambda _: oo.Sphere(name="it"),
@@ -274,6 +277,7 @@ OUTSIDE: dict[str, list[Any]] = {
     "auto_disable": [0, 1, "yes", 0.5],
     "enabled": [0, 1, "yes", 0.5],
     "kinematic": [0, 1, "yes"],
+    "auto_recentre": [0, 1, "yes"],
     "gyroscopic": [0, 1, "yes"],
 }
 """What a field of this name refuses beside that: the ranges that ODE computes safely in."""

@@ -47,7 +47,7 @@ LIBRARIES = {"cffi": {"native"}, "moderngl": {"render"}, "trimesh": {"graph", "e
 LAZY = {
     # A node asks for the kinds of nodes around it; these are subclasses of its own base.
     ("osgode.nodes.base", "osgode.nodes.spaces"),
-    ("osgode.nodes.body", "osgode.nodes.geom"),
+    ("osgode.nodes.bodymass", "osgode.nodes.geom"),
 }
 """Imports inside functions that close a circle within one part."""
 

@@ -323,3 +323,120 @@ def test_a_mass_does_not_change():
     mass = oo.Mass(1.0)
     with pytest.raises(AttributeError):
         mass.mass = 2.0
+
+
+# -- cutting out, and how many times
+
+
+@given(masses(), masses())
+def test_what_is_cut_out_again_leaves_the_rest(a, b):
+    """(a + b) - b is a."""
+    assert_same((a + b) - b, a, 1e-7)
+
+
+def test_a_shell_is_a_ball_without_its_core():
+    """Hollow sphere: I = 2/5 m (R^5 - r^5) / (R^3 - r^3)."""
+    shell = oo.Mass.sphere(1.0, density=100.0) - oo.Mass.sphere(0.8, density=100.0)
+    m = 100.0 * 4 / 3 * math.pi * (1 - 0.8**3)
+    assert shell.mass == pytest.approx(m)
+    assert tensor(shell) == pytest.approx(0.4 * m * (1 - 0.8**5) / (1 - 0.8**3) * UNIT)
+
+
+def test_a_plate_with_a_hole_is_what_many_points_of_it_are():
+    """The hole off its middle, so that centre and products of inertia are not 0."""
+    plate = oo.Mass.box((2, 1, 0.5), density=10.0)
+    hole = oo.Mass.cylinder(0.3, 0.5, density=10.0).translated((0.5, 0.15, 0))
+    left = plate - hole
+    m, centre, inertia = sampled(
+        lambda p: (p[:, 0] - 0.5) ** 2 + (p[:, 1] - 0.15) ** 2 > 0.09, (1.0, 0.5, 0.25), 10.0, 120
+    )
+    assert left.mass == pytest.approx(m, rel=5e-3)
+    assert tuple(left.centre) == pytest.approx(centre, abs=5e-3)
+    assert tensor(left) == pytest.approx(inertia, abs=5e-3 * float(np.trace(inertia)))
+
+
+@pytest.mark.parametrize(
+    ("whole", "part", "words"),
+    [
+        (oo.Mass.sphere(1, mass=2), oo.Mass.sphere(1, mass=2), "nothing is left"),
+        (oo.Mass.sphere(1, mass=2), oo.Mass.sphere(0.5, mass=3), "nothing is left"),
+        (oo.Mass.sphere(1, mass=2), oo.Mass.sphere(1, mass=2 * (1 - 1e-15)), "nothing is left"),
+        (oo.Mass.sphere(1, mass=2), oo.Mass.sphere(2, mass=1), "nothing real"),
+        (oo.Mass.box((1, 1, 1), mass=2), oo.Mass.box((0.1, 0.1, 0.1), mass=1).translated((5, 0, 0)), "nothing real"),
+    ],
+    ids=["itself", "heavier", "itself but for rounding", "larger", "beside it"],
+)
+def test_what_is_no_part_cannot_be_cut_out(whole, part, words):
+    with pytest.raises(oo.FieldError, match=words):
+        whole - part
+
+
+@given(masses(), floats(0.01, 100), vectors())
+def test_a_multiple_is_of_another_density(mass, factor, point):
+    """Mass and inertia about any point grow by the factor, the centre stays."""
+    for many in (mass * factor, factor * mass, mass / (1 / factor)):
+        assert many.mass == pytest.approx(factor * mass.mass)
+        assert many.centre == mass.centre
+        expected = factor * about(mass, np.array(point))
+        assert many.inertia_about(point) == pytest.approx(expected, abs=1e-9 * float(np.abs(expected).max()))
+
+
+@given(st.lists(masses(), min_size=1, max_size=5))
+@settings(max_examples=30)
+def test_sum_adds_them_up(some):
+    total = some[0]
+    for each in some[1:]:
+        total = total + each
+    assert sum(some) == total
+
+
+@pytest.mark.parametrize("bad", [0, -1, math.nan, math.inf, 1e40, 1e-40])
+def test_a_factor_that_makes_nothing_real_is_refused(bad):
+    for make in (lambda: oo.Mass(1.0) * bad, lambda: bad * oo.Mass(1.0), lambda: oo.Mass(1.0) / bad):
+        with pytest.raises(oo.FieldError, match="must be"):
+            make()
+
+
+@pytest.mark.parametrize("odd", [None, "2", [1, 2, 3], True, object()], ids=lambda odd: type(odd).__name__)
+def test_a_mass_is_reckoned_with_masses_and_numbers_only(odd):
+    for act in (
+        lambda: oo.Mass(1.0) + odd,
+        lambda: odd + oo.Mass(1.0),
+        lambda: oo.Mass(1.0) - odd,
+        lambda: oo.Mass(1.0) * odd,
+        lambda: oo.Mass(1.0) / odd,
+    ):
+        with pytest.raises(TypeError):
+            act()
+
+
+# -- ODE's own arithmetic, as a check of ours
+
+
+@given(masses(), poses(5.0), masses())
+@settings(max_examples=50)
+def test_ode_moves_turns_and_adds_the_same_way(mass, pose, other):
+    """dMassTranslate, dMassRotate, dMassAdd; ODE keeps the inertia about the origin, not about the centre."""
+
+    def native(given):
+        out = ffi.new("dMass *")
+        out.mass = given.mass
+        out.c[0:3] = given.centre
+        about_origin = about(given, np.zeros(3))
+        for row in range(3):
+            for column in range(3):
+                out.I[4 * row + column] = about_origin[row, column]
+        return out
+
+    turn = ffi.new("dMatrix3")
+    for row, values in enumerate(pose.rotation.to_matrix()):
+        turn[4 * row : 4 * row + 3] = values
+    theirs, second = native(mass), native(other)
+    lib.dMassRotate(theirs, turn)
+    lib.dMassTranslate(theirs, *pose.position)
+    lib.dMassAdd(theirs, second)
+    ours = mass.moved(pose) + other
+    assert ours.mass == pytest.approx(theirs.mass)
+    assert tuple(ours.centre) == pytest.approx(list(theirs.c)[:3], abs=1e-8)
+    wanted = np.array(list(theirs.I)).reshape(3, 4)[:, :3]
+    assert ours.inertia_about((0, 0, 0)) == pytest.approx(wanted, abs=1e-8 * float(np.abs(wanted).max()))

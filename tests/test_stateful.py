@@ -21,7 +21,8 @@ CUBE_DATA = oo.MeshData(*CUBE)
 OPEN_DATA = oo.MeshData(CUBE[0], CUBE[1][:6])
 SOLIDS = (oo.Box, oo.Sphere, oo.Capsule, oo.Cylinder)
 MOTION = {"position", "rotation", "linear_velocity", "angular_velocity", "force", "torque"}
-LEFT_ALONE = {"mass", "density", "size", "radius", "length", "data", "centre", "extent", "depth", "axes", *MOTION}
+OWN_RULE = {"auto_recentre", "mass", "density", "size", "radius", "length"}
+LEFT_ALONE = {"data", "centre", "extent", "depth", "axes", *OWN_RULE, *MOTION}
 """Fields with a rule of their own, or that can't be set in a World."""
 UNIT = np.identity(3)
 MOST_NODES = 70

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
 from osgode.errors import FieldError
-from osgode.graph.appearance import DEFAULT_APPEARANCE, Appearance
+from osgode.graph.appearance import DEFAULT_APPEARANCE, Appearance, Texture
 from osgode.graph.drawable import Drawable
 from osgode.graph.mesh import Mesh
 from osgode.graph.primitives import (
@@ -89,6 +90,18 @@ def capsule_drawable(radius: float, length: float, appearance: Appearance = DEFA
     return Drawable(capsule_mesh(r, float(length), _repeat(appearance)), appearance)
 
 
+def centre_of_mass_drawable(radius: float = 0.1) -> Drawable:
+    """The mark of a centre of mass, as on crash test dummies: a ball about the origin, quartered in black and yellow.
+
+    Args:
+        radius: metres.
+
+    Raises:
+        FieldError: if the radius is not above 0 and finite.
+    """
+    return sphere_drawable(radius, _mark())
+
+
 def ray_drawable(length: float, appearance: Appearance = DEFAULT_APPEARANCE, *, radius: float = 0.01) -> Drawable:
     """A ray from the origin along +Z, as a rod ``length`` metres long and ``radius`` metres thick.
 
@@ -161,6 +174,16 @@ def heightfield_drawable(
     repeats = (1.0, 1.0) if appearance.texture_scale is None else np.divide((w, d), appearance.texture_scale)
     uvs = np.stack([across, 1 - along], axis=-1).reshape(-1, 2) * repeats
     return Drawable(Mesh(vertices, triangles, uvs=uvs, name="heightfield"), appearance)
+
+
+@cache
+def _mark() -> Appearance:
+    """Eight fields that alternate, four round the poles' axis; shared, so that all marks are drawn together."""
+    edge = 32
+    rows, columns = np.indices((2 * edge, 4 * edge)) // edge
+    dark = (rows + columns) % 2 == 0
+    image = np.where(dark[..., None], np.array([18, 18, 20], np.uint8), np.array([250, 205, 20], np.uint8))
+    return Appearance(texture=Texture(image, "centre of mass"), colour=(1.0, 1.0, 1.0, 1.0), shininess=0.4)
 
 
 def _repeat(appearance: Appearance) -> TextureScale:

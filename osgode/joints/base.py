@@ -311,6 +311,13 @@ class Joint(HasFields):
 
     # -- where it is
 
+    def _shift_rest(self, body: Body, by: Vec3) -> None:
+        """Move the pose of rest of ``body``, ``by`` along its axes, as its frame has moved against what is held."""
+        self._rest = tuple(
+            Pose(rest.transform(by), rest.rotation) if each is body else rest
+            for each, rest in zip(self._bodies, self._rest, strict=True)
+        )
+
     def anchor_anew(self, **spots: Any) -> None:
         """Give it other anchors and axes, in the world as the bodies stand now; all that aren't named stay.
 

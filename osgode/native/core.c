@@ -62,6 +62,7 @@ void oo_world_free(oo_world *w) {
     free(w->broken_joints);
     count_live(&live.worlds, -1);
     free(w->bodies);
+    free(w->glides);
     free(w->geoms);
     free(w->free_slots);
     free(w->retired_slots);
@@ -117,6 +118,18 @@ void write_pose(const oo_body *body, double *row) {
     memcpy(row + 3, q, 4 * sizeof *row);
 }
 
+/* The same the other way: as if position and rotation were set, to the bit. */
+void put_frame(const oo_body *body, const double *row) {
+    const double *c = body->com;
+    double p[3] = {row[0], row[1], row[2]};
+    dBodySetQuaternion(body->id, row + 3);
+    if (c[0] != 0 || c[1] != 0 || c[2] != 0) {
+        const dReal *r = dBodyGetRotation(body->id);
+        for (int k = 0; k < 3; k++) p[k] += r[4 * k] * c[0] + r[4 * k + 1] * c[1] + r[4 * k + 2] * c[2];
+    }
+    dBodySetPosition(body->id, p[0], p[1], p[2]);
+}
+
 void oo_body_snap(oo_world *w, unsigned int index) {
     w->bodies[index].settled = 0;
     write_pose(&w->bodies[index], w->poses + 7 * index);
@@ -144,6 +157,7 @@ void oo_body_free(oo_world *w, unsigned int index) {
         guard_leave();
     }
     unsigned int last = --w->body_count;
+    forget_glide(w, index, last);
     w->bodies[index] = w->bodies[last];
     if (index < last) dBodySetData(w->bodies[index].id, (void *)(size_t)index);
     memcpy(w->poses + 7 * index, w->poses + 7 * last, 7 * sizeof(double));

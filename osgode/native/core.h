@@ -99,6 +99,14 @@ typedef struct oo_pair {
     int nested;                     /* not declared, but in a space that was: ODE has to be told of it */
 } oo_pair;
 
+typedef struct oo_glide {
+    unsigned int body;
+    int arrives;                    /* with this step */
+    double target[7];               /* of the frame: x y z qw qx qy qz */
+    double seconds;                 /* left */
+    double next[7], velocity[6];    /* of this step; the velocity of the centre of mass */
+} oo_glide;
+
 typedef struct oo_mesh oo_mesh;
 typedef struct oo_broad oo_broad;
 
@@ -130,6 +138,9 @@ typedef struct oo_world {
     unsigned int body_count, body_capacity;
     double *poses, *previous;       /* Python's tables, table_capacity rows of x y z qw qx qy qz */
     unsigned int table_capacity;
+
+    oo_glide *glides;               /* kinematic bodies on their way */
+    unsigned int glide_count, glide_capacity;
 
     oo_geom *geoms;                 /* by slot; spaces too */
     unsigned int geom_count, geom_capacity;
@@ -196,6 +207,12 @@ void oo_body_free(oo_world *, unsigned int index);
 /* Position, quaternion and rotation matrix exactly as ODE holds them (3 + 4 + 12 doubles); its own setters round. */
 void oo_body_read_raw(const oo_world *, unsigned int index, double raw[19]);
 void oo_body_write_raw(oo_world *, unsigned int index, const double raw[19]);
+/* Let a kinematic body move to a pose of its frame, linearly and by the shorter turn, and stand still there; instead of
+   where it glided to before. At least one step; a step size that changes on the way changes the number of steps. */
+int oo_glide_start(oo_world *, unsigned int index, const double target[7], double seconds);
+/* Let it stay where it is: with halt it stands still, without it keeps the velocities of this moment. */
+void oo_glide_stop(oo_world *, unsigned int index, int halt);
+int oo_glides(const oo_world *, unsigned int index);
 int oo_body_set_mass(oo_world *, unsigned int index, double mass, const double inertia[9]);
 
 /* A slot of world.geoms, or a status below 0. */

@@ -56,6 +56,13 @@ static inline void cross(double *out, const double *a, const double *b) {
 
 /* The pose of the frame that the author placed, 7 doubles. */
 HIDDEN void write_pose(const oo_body *, double *row);
+HIDDEN void put_frame(const oo_body *, const double *row);
+
+/* Before and after the integration: the velocities of gliding bodies, and the poses that they reach. */
+HIDDEN void begin_glides(oo_world *);
+HIDDEN void end_glides(oo_world *);
+/* A body is about to go, and the last one to take its index. */
+HIDDEN void forget_glide(oo_world *, unsigned int body, unsigned int last);
 
 /* Before a step: what their motors are to do in it. */
 HIDDEN void drive_servos(oo_world *);

@@ -388,7 +388,9 @@ int oo_run(oo_world *w, unsigned int count) {
         w->asking = 0;
         if (status == OO_OK) status = respond(w);
         if (status == OO_OK) {
+            begin_glides(w);
             status = integrate(w);
+            if (status == OO_OK) end_glides(w);
             if (status == OO_ASSERT) clean_up(w);
         }
         if (status == OO_OK) status = compare_touches(w);

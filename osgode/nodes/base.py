@@ -310,6 +310,9 @@ class PhysicsNode(HasFields, Node):
     def _rehouse(self) -> None:
         """Called when the space or the body above may have changed within the same World."""
 
+    def _recentred(self) -> None:
+        """Called when the centre of mass of the body above has moved in its frame."""
+
     def _arrived(self, parent: Group) -> None:
         """Called when it stands below ``parent``, in or out of a World; may raise to refuse."""
 

@@ -8,36 +8,27 @@ import numpy as np
 
 from osgode.fields import POSITION_LIMIT, vector
 from osgode.graph.transforms import PoseSource, Transform
-from osgode.mass import Mass
-from osgode.maths import ZERO, FloatArray, Pose, Vec3, Vec3Like
-from osgode.native import checked, ffi, lib
-from osgode.nodes.base import physics_nodes
+from osgode.maths import ZERO, FloatArray, Vec3, Vec3Like
+from osgode.native import ffi, lib
 from osgode.nodes.bodystate import (
     FORCE_LIMIT,
     BodyFields,
-    BodyState,
-    read_linear,
-    read_position,
-    write_linear,
-    write_position,
 )
+from osgode.nodes.glide import Gliding
 from osgode.nodes.realm import Realm
 from osgode.nodes.touch import Listening
 
 if TYPE_CHECKING:
     from osgode.joints.base import Joint
-    from osgode.nodes.geom import Geom
-
-MASSLESS = Mass(1.0)
-"""What a body has in which nothing has mass: 1 kg and unit inertia, as a new body in ODE."""
 
 
-class Body(Listening, BodyState, Transform):
+class Body(Listening, Gliding, Transform):
     """A rigid body: parts placed below it by Placeables move as one.
 
     Its frame is the one that its author placed: `position` and `rotation` are that frame's, and
     `linear_velocity` is the velocity of the frame's origin, wherever the centre of mass may be. The mass is
     the sum of the masses of the geoms below (see `mass_properties`).
+    A `kinematic` one is moved by its velocities alone, or glides where it is told to (see `glide_to`).
 
     Directly under a World a body moves, but its geoms are in no space and touch nothing.
     """
@@ -48,10 +39,9 @@ class Body(Listening, BodyState, Transform):
         super().__init__(name=name, visible=visible, **fields)
 
     def _start(self) -> None:
+        super()._start()
         self._id: Any = None
         self._index = -1
-        self._com = ZERO
-        self._joints: list[Joint] = []
 
     # -- pose
 
@@ -59,11 +49,6 @@ class Body(Listening, BodyState, Transform):
     def body(self) -> Body:
         """Itself."""
         return self
-
-    @property
-    def pose(self) -> Pose:
-        """Position and rotation of the body's frame."""
-        return Pose(self.position, self.rotation)
 
     def local_matrix(self) -> FloatArray:
         """The 4x4 matrix from body axes to world axes, live."""
@@ -73,90 +58,6 @@ class Body(Listening, BodyState, Transform):
         """The World and the row of its pose tables, or None outside of a World."""
         world = self.world
         return None if world is None else (world, self._index)
-
-    def local_to_world(self, point: Vec3Like) -> Vec3:
-        """A point of the body's frame in the world, metres."""
-        return self.pose.transform(point)
-
-    def world_to_local(self, point: Vec3Like) -> Vec3:
-        """A point of the world in the body's frame, metres."""
-        return self.pose.inverse().transform(point)
-
-    def vector_to_world(self, vector: Vec3Like) -> Vec3:
-        """A direction in body axes, turned to world axes."""
-        return self.rotation.rotate(vector)
-
-    def vector_to_local(self, vector: Vec3Like) -> Vec3:
-        """A direction in world axes, turned to body axes."""
-        return self.rotation.conjugate().rotate(vector)
-
-    def velocity_at(self, point: Vec3Like) -> Vec3:
-        """The velocity (m/s) of the material point of the body that is at ``point`` of the world now."""
-        return self.linear_velocity + self.angular_velocity.cross(Vec3(*point) - self.position)
-
-    # -- mass
-
-    @property
-    def geoms(self) -> tuple[Geom, ...]:
-        """The geoms that are parts of this body."""
-        from osgode.nodes.geom import Geom
-
-        return tuple(node for node in physics_nodes(self) if isinstance(node, Geom))
-
-    @property
-    def mass_properties(self) -> Mass:
-        """Mass, centre of mass and inertia in the body's frame: `fixed_mass`, or the sum of its parts.
-
-        A body without any mass has 1 kg and unit inertia at its origin.
-
-        Raises:
-            FieldError: if a part has no volume (an open mesh) or the sum is out of ODE's range.
-        """
-        if self.fixed_mass is not None:
-            return self.fixed_mass
-        total: Mass | None = None
-        for geom in self.geoms:
-            part = geom.part_mass
-            if part is not None:
-                total = part if total is None else total + part
-        return total or MASSLESS
-
-    @property
-    def mass(self) -> float:
-        """The whole mass, kg."""
-        return self.mass_properties.mass
-
-    @property
-    def inertia(self) -> FloatArray:
-        """The inertia tensor about the centre of mass along body axes: (3, 3), kg m2."""
-        return np.array(self.mass_properties.inertia)
-
-    @property
-    def centre_of_mass(self) -> Vec3:
-        """The centre of mass in the body's frame, metres."""
-        return self.mass_properties.centre
-
-    @property
-    def world_centre_of_mass(self) -> Vec3:
-        """The centre of mass in the world, metres."""
-        return self.local_to_world(self.centre_of_mass)
-
-    @property
-    def momentum(self) -> Vec3:
-        """Mass times velocity of the centre of mass, kg m/s."""
-        return self.velocity_at(self.world_centre_of_mass) * self.mass
-
-    @property
-    def angular_momentum(self) -> Vec3:
-        """About the centre of mass, along world axes, kg m2/s."""
-        turn = np.array(self.rotation.to_matrix())
-        return Vec3(*map(float, turn @ self.inertia @ turn.T @ np.array(self.angular_velocity)))
-
-    @property
-    def kinetic_energy(self) -> float:
-        """Of moving and turning, joules."""
-        speed = self.velocity_at(self.world_centre_of_mass)
-        return 0.5 * self.mass * speed.dot(speed) + 0.5 * self.angular_momentum.dot(self.angular_velocity)
 
     # -- acting on it
 
@@ -211,6 +112,19 @@ class Body(Listening, BodyState, Transform):
             "apply_angular_impulse", ZERO, self._argument("apply_angular_impulse", "impulse", impulse, FORCE_LIMIT)
         )
 
+    def apply_local_impulse(self, impulse: Vec3Like, *, at: Vec3Like | None = None) -> None:
+        """As `apply_impulse`, with ``impulse`` along body axes and ``at`` in the body's frame."""
+        j = self._argument("apply_local_impulse", "impulse", impulse, FORCE_LIMIT)
+        point = (
+            None if at is None else self.local_to_world(self._argument("apply_local_impulse", "at", at, POSITION_LIMIT))
+        )
+        self.apply_impulse(self.vector_to_world(j), at=point)
+
+    def apply_local_angular_impulse(self, impulse: Vec3Like) -> None:
+        """As `apply_angular_impulse`, with ``impulse`` along body axes."""
+        j = self._argument("apply_local_angular_impulse", "impulse", impulse, FORCE_LIMIT)
+        self.apply_angular_impulse(self.vector_to_world(j))
+
     def _kick(self, doing: str, linear: Vec3, angular: Vec3) -> None:
         with self._live(doing).editing():
             if self.kinematic:
@@ -229,6 +143,11 @@ class Body(Listening, BodyState, Transform):
     def _argument(self, call: str, name: str, value: Vec3Like, limit: float) -> Vec3:
         return vector(limit)(f"{self.describe()}.{call}()", name, value)
 
+    @property
+    def asleep(self) -> bool:
+        """Whether it sleeps: it came to rest, or `enabled` was set to False."""
+        return not self.enabled
+
     def wake(self) -> None:
         """Let it move again if it has fallen asleep; pushes, hits and set velocities do so too."""
         if self._realm is not None:
@@ -245,12 +164,11 @@ class Body(Listening, BodyState, Transform):
     # -- entering and leaving
 
     def _enter(self, realm: Realm) -> None:
-        properties = self.mass_properties
         index = self._made(realm.add_body(self))
         self._index = index
         self._id = realm.ptr.bodies[index].id
         super()._enter(realm)
-        self._put_mass(properties)
+        self._enter_mass()
         self._enter_fields()
         self._snap()
 
@@ -267,35 +185,10 @@ class Body(Listening, BodyState, Transform):
             for other in joint._bodies:
                 if other is not self:
                     other.wake()
+        self._halt()
         self._leave_fields()
         super()._leave()
         realm.remove_body(self._index)
         self._id = None
         self._index = -1
         self._com = ZERO
-
-    def _put_mass(self, properties: Mass) -> None:
-        """Give ODE a mass, the reference point being moved to its centre first if need be."""
-        realm = self._live("changing it")
-        if properties.centre != self._com:
-            position, velocity = read_position(self), read_linear(self)
-            self._com = properties.centre
-            realm.ptr.bodies[self._index].com = self._com
-            write_position(self, position)
-            write_linear(self, velocity)
-            for geom in self.geoms:
-                geom._place()
-            for joint in self._joints:
-                joint._remake()
-        kinematic = self.kinematic
-        inertia = [value for row in properties.inertia for value in row]
-        checked(
-            lib.oo_body_set_mass(realm.ptr, self._index, properties.mass, inertia), f"{self.describe()}: setting mass"
-        )
-        if kinematic:  # setting a mass makes ODE's body dynamic again
-            lib.dBodySetKinematic(self._id)
-
-    def _parts_changed(self) -> None:
-        """Called when a part came, went, moved, or changed its mass: nothing visible moves, only the bookkeeping."""
-        if self._realm is not None:
-            self._put_mass(self.mass_properties)

@@ -20,7 +20,6 @@ from osgode.fields import (
     Check,
     Field,
     FlagField,
-    Followed,
     RotationField,
     VectorField,
     number,
@@ -33,6 +32,7 @@ from osgode.mass import Mass
 from osgode.maths import IDENTITY, ZERO, Quat, QuatLike, Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.base import PhysicsNode
+from osgode.nodes.inherited import AutoDisable, Countdown, Inherited
 
 FORCE_LIMIT = 1e15
 """Newtons, newton metres, and their seconds."""
@@ -115,11 +115,31 @@ def _waking(write: Callable[[BodyState, Any], object]) -> Callable[[BodyState, A
     return write_and_wake
 
 
+def _by_hand(write: Callable[[BodyState, Any], object]) -> Callable[[BodyState, Any], None]:
+    """The same, for what ends a glide too."""
+    waking = _waking(write)
+
+    def stop_and_write(body: BodyState, value: Any) -> None:
+        body._halt()
+        waking(body, value)
+
+    return stop_and_write
+
+
 def _write_kinematic(body: BodyState, value: bool) -> None:
     if value:
         lib.dBodySetKinematic(body._id)
     else:
+        body._halt(halt=False)  # what was carried along flies on
         lib.dBodySetDynamic(body._id)
+
+
+def _write_enabled(body: BodyState, value: bool) -> None:
+    if value:
+        lib.dBodyEnable(body._id)
+    else:
+        body._halt()
+        lib.dBodyDisable(body._id)
 
 
 def _read_finite_axis(body: BodyState) -> Vec3 | None:
@@ -146,49 +166,6 @@ def _mass_check(value: Any) -> Mass:
     return value
 
 
-class Inherited(Followed):
-    """A field that follows the World's value of the same name."""
-
-    def __init__(self, getter: str, setter: str, check: Check[Any], *, unit: str = "", doc: str = "") -> None:
-        get, put = getattr(lib, getter), getattr(lib, setter)
-        super().__init__(
-            check,
-            (lambda body: bool(get(body._id))) if check is FLAG else (lambda body: get(body._id)),
-            lambda body, value: put(body._id, value),
-            lambda body, name: body._realm.inherited[name],
-            unit=unit,
-            doc=doc,
-        )
-
-
-class Countdown(Inherited):
-    """`Inherited`, in force at once: ODE would first count down from what it was."""
-
-    def enter(self, node: Any) -> None:
-        """Give the native its own value, or the World's, and count anew if it is awake."""
-        super().enter(node)
-        if lib.dBodyIsEnabled(node._id):
-            lib.dBodyEnable(node._id)
-
-
-class AutoDisable(Inherited):
-    """`Inherited`, without what else ODE does when the flag is taken away: it wakes the body and forgets its limits."""
-
-    def __init__(self, *, doc: str) -> None:
-        super().__init__("dBodyGetAutoDisableFlag", "dBodySetAutoDisableFlag", FLAG, doc=doc)
-        self.put = self._put_alone
-
-    def _put_alone(self, body: BodyState, value: bool) -> None:
-        if value == bool(lib.dBodyGetAutoDisableFlag(body._id)):
-            return
-        enabled = lib.dBodyIsEnabled(body._id)
-        lib.dBodySetAutoDisableFlag(body._id, value)
-        for name in ("auto_disable_steps", "auto_disable_time", "auto_disable_samples"):
-            body.FIELDS[name].enter(body)
-        if not enabled:
-            lib.dBodyDisable(body._id)
-
-
 class BodyFields(TypedDict, total=False):
     """The keyword arguments of `Body`."""
 
@@ -199,6 +176,7 @@ class BodyFields(TypedDict, total=False):
     force: Vec3Like
     torque: Vec3Like
     fixed_mass: Mass | None
+    auto_recentre: bool
     enabled: bool
     kinematic: bool
     gravity: bool
@@ -226,32 +204,38 @@ class BodyState(PhysicsNode):
     fixed_mass: Field[Mass | None, Mass | None] = Field(
         None,
         optional(Check("a Mass", _mass_check)),
-        after="_parts_changed",
+        after="_mass_given",
         doc="Mass, centre and inertia in the body's frame, instead of the sum of the parts; None for that sum.",
+    )
+    auto_recentre = FlagField(
+        True,
+        FLAG,
+        after="_switched",
+        doc="Whether mass, centre and inertia follow the parts at once; if not, only when told by recentre().",
     )
     rotation = RotationField(
         IDENTITY,
         ROTATION,
         _read_rotation,
-        _waking(_write_rotation),
+        _by_hand(_write_rotation),
         doc="Quaternion (w, x, y, z) from body axes to world axes.",
     )
     position = VectorField(
         ZERO,
         vector(POSITION_LIMIT),
         read_position,
-        _waking(write_position),
+        _by_hand(write_position),
         unit="m",
         doc="Of the body's frame, in the world.",
     )
     angular_velocity = VectorField(
-        ZERO, vector(VELOCITY_LIMIT), _read_angular, _waking(_write_angular), unit="rad/s", doc="Along world axes."
+        ZERO, vector(VELOCITY_LIMIT), _read_angular, _by_hand(_write_angular), unit="rad/s", doc="Along world axes."
     )
     linear_velocity = VectorField(
         ZERO,
         vector(VELOCITY_LIMIT),
         read_linear,
-        _waking(write_linear),
+        _by_hand(write_linear),
         unit="m/s",
         doc="Of the origin of the body's frame.",
     )
@@ -363,7 +347,7 @@ class BodyState(PhysicsNode):
         True,
         FLAG,
         lambda body: bool(lib.dBodyIsEnabled(body._id)),
-        lambda body, value: lib.dBodyEnable(body._id) if value else lib.dBodyDisable(body._id),
+        _write_enabled,
         doc="Whether it is awake: a sleeping body stands still until something awake touches it.",
     )
 
@@ -371,8 +355,16 @@ class BodyState(PhysicsNode):
         """Show the pose at once, with nothing to interpolate from."""
         lib.oo_body_snap(self._live("showing").ptr, self._index)
 
+    def _halt(self, *, halt: bool = True) -> None:
+        """Glide no more, and stand still unless told otherwise; nothing if it doesn't glide."""
+        lib.oo_glide_stop(self._live("stopping it").ptr, self._index, halt)
+
     _index: int
 
     @abstractmethod
-    def _parts_changed(self) -> None:
-        """Called when a part came, went, moved, or changed its mass."""
+    def _mass_given(self) -> None:
+        """Called when the mass was given by hand, or is no longer so."""
+
+    @abstractmethod
+    def _switched(self) -> None:
+        """Called when `auto_recentre` was switched."""

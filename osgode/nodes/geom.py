@@ -161,6 +161,7 @@ class Geom(Listening):
         self._id: Any = None
         self._slot = -1
         self._mesh: Any = ffi.NULL
+        self._placed = Pose()
         self._own_drawables: tuple[Drawable, ...] | None = None
 
     # -- what a kind of geom provides
@@ -187,9 +188,14 @@ class Geom(Listening):
     @property
     def pose(self) -> Pose:
         """Where it is in the world (below a World or not)."""
-        parent = self.parent
-        local = parent.pose if isinstance(parent, Placeable) else Pose()
+        local = self._placement
         return self.body.pose * local if self.body is not None else local
+
+    @property
+    def _placement(self) -> Pose:
+        """Where it is in the body, or in the static world."""
+        parent = self.parent
+        return parent.pose if isinstance(parent, Placeable) else Pose()
 
     @property
     def bounds(self) -> tuple[Vec3, Vec3]:
@@ -374,13 +380,14 @@ class Geom(Listening):
                 lib.dGeomClearOffset(self._id)
             lib.dGeomSetBody(self._id, native)
             self._place()
+        elif self._placement != self._placed:  # to another place in the same body, or in the static world
+            self._place()
         self._mark_listened()
 
     def _place(self) -> None:
         if self._realm is None:
             return
-        parent = self.parent
-        pose = parent.pose if isinstance(parent, Placeable) else Pose()
+        self._placed = pose = self._placement
         body = self.body
         if body is None:
             lib.oo_wake_touching(self._realm.ptr, self._slot)

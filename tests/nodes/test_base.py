@@ -12,7 +12,7 @@ import osgode as oo
 from osgode import native
 from osgode.joints import base as joints_base
 from osgode.nodes import base as nodes_base
-from osgode.nodes import body as nodes_body
+from osgode.nodes import bodymass as nodes_bodymass
 from osgode.nodes import geom as nodes_geom
 from osgode.nodes import realm as nodes_realm
 from osgode.nodes import spaces as nodes_spaces
@@ -23,13 +23,14 @@ from tests.trees import Rig, assert_photos_agree, is_consistent, photo
 
 VISUAL = {"Group", "PositionAttitudeTransform", "MatrixTransform", "Switch"}
 SPACES = {"SimpleSpace", "HashSpace", "QuadTreeSpace", "SweepAndPruneSpace"}
-GROUPS = VISUAL | SPACES | {"World", "Body", "Placeable"}
+GROUPS = VISUAL | SPACES | {"World", "Body", "Placeable", "CentreOfMass"}
 
 ALLOWED = {
     "World": VISUAL,
     **dict.fromkeys(SPACES, SPACES | {"World"}),
     "Body": SPACES | {"World"},
     "Placeable": SPACES | {"Body"},
+    "CentreOfMass": {"Body"},
     **dict.fromkeys(("Box", "Sphere", "Capsule", "Cylinder", "Trimesh"), SPACES | {"Placeable"}),
     "Plane": SPACES,
     **dict.fromkeys(VISUAL | {"Leaf"}, GROUPS),
@@ -266,7 +267,7 @@ class Failing:
         return call
 
     def install(self, monkeypatch):
-        for module in (nodes_base, nodes_body, nodes_geom, nodes_realm, nodes_spaces, joints_base):
+        for module in (nodes_base, nodes_bodymass, nodes_geom, nodes_realm, nodes_spaces, joints_base):
             monkeypatch.setattr(module, "lib", self)
 
 

@@ -5,12 +5,10 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 import osgode as oo
 from osgode.native import ffi, lib
-from tests.strategies import directions, floats, geoms, poses, rotations, sizes, vectors
+from tests.strategies import directions, floats, poses, rotations, vectors
 
 UNIT = np.identity(3)
 
@@ -126,154 +124,6 @@ def native_mass(body):
     out = ffi.new("dMass *")
     lib.dBodyGetMass(body._id, out)
     return out.mass, list(out.c)[:3], [out.I[4 * row + column] for row in range(3) for column in range(3)]
-
-
-class Parts(RuleBasedStateMachine):
-    """B7: whatever comes, goes, moves and changes, the sum is right and nothing that is seen moves."""
-
-    @initialize(pose=poses(), velocity=vectors(3), spin=vectors(2))
-    def start(self, pose, velocity, spin):
-        self.world = oo.World(gravity=(0, 0, 0))
-        self.space = self.world.attach(oo.SimpleSpace())
-        self.body = self.space.attach(
-            oo.Body(position=pose.position, rotation=pose.rotation, linear_velocity=velocity, angular_velocity=spin)
-        )
-        self.joint = oo.Hinge(self.body, anchor=pose.transform((1, 0, 0)), axis=(0, 1, 1))
-        self.places, self.taken = [], []
-        self.look()
-
-    def look(self):
-        """Remember all that must not move by bookkeeping."""
-        body = self.body
-        self.frame = (body.position, body.rotation, body.linear_velocity, body.angular_velocity)
-        self.held = (self.joint.anchor, self.joint.axis, self.joint.angle)
-
-    def place(self, data):
-        return data.draw(st.sampled_from(self.places))
-
-    @rule(geom=geoms(), pose=poses(2))
-    def add(self, geom, pose):
-        place = oo.Placeable(position=pose.position, rotation=pose.rotation)
-        place.attach(geom)
-        self.body.attach(place)
-        self.places.append(place)
-
-    @precondition(lambda self: self.places)
-    @rule(data=st.data(), geom=geoms())
-    def add_to_a_place(self, data, geom):
-        self.place(data).attach(geom)
-
-    @precondition(lambda self: self.places)
-    @rule(data=st.data())
-    def take_away(self, data):
-        place = self.place(data)
-        self.places.remove(place)
-        self.body.detach(place)
-        assert not place.is_live
-
-    @precondition(lambda self: self.places)
-    @rule(data=st.data(), pose=poses(2))
-    def move(self, data, pose):
-        place = self.place(data)
-        place.position, place.rotation = pose
-
-    @precondition(lambda self: self.body.geoms)
-    @rule(data=st.data(), value=st.sampled_from([0.0, 0.5, 4.0, None]))
-    def change_mass(self, data, value):
-        geom = data.draw(st.sampled_from(self.body.geoms))
-        geom.density = None
-        geom.mass = value
-
-    @precondition(lambda self: self.body.geoms)
-    @rule(data=st.data(), size=sizes())
-    def resize(self, data, size):
-        geom = data.draw(st.sampled_from(self.body.geoms))
-        for name, value in (("radius", size), ("length", size), ("size", (size, 2 * size, 0.5))):
-            if name in geom.FIELDS:
-                setattr(geom, name, value)
-
-    @precondition(lambda self: len(self.places) > 1)
-    @rule(data=st.data())
-    def move_to_another_place(self, data):
-        geom = data.draw(st.sampled_from([geom for place in self.places for geom in place.children] or [None]))
-        if geom is not None:
-            geom.move_to(self.place(data))
-
-    @precondition(lambda self: self.places)
-    @rule(data=st.data())
-    def move_only_in_the_books(self, data):
-        """A part goes to another place with the same pose: not even the momenta change."""
-        place = self.place(data)
-        before = self.body.momentum, self.body.angular_momentum, self.body.kinetic_energy
-        twin = self.body.attach(oo.Placeable(position=place.position, rotation=place.rotation))
-        for geom in place.children:
-            geom.move_to(twin)
-        self.places[self.places.index(place)] = twin
-        self.body.detach(place)
-        scale = 1e-9 * (1 + self.body.mass * 100)
-        assert self.body.momentum == near(before[0], scale)
-        assert self.body.angular_momentum == near(before[1], scale * 10)
-        assert self.body.kinetic_energy == pytest.approx(before[2], abs=scale * 100)
-
-    @rule(kinematic=st.booleans())
-    def set_kinematic(self, kinematic):
-        self.body.kinematic = kinematic
-
-    @rule()
-    def come_and_go(self):
-        self.space.detach(self.body)
-        self.space.attach(self.body)
-
-    @rule(pose=poses())
-    def put_elsewhere(self, pose):
-        self.body.position, self.body.rotation = pose
-        self.look()
-
-    @rule()
-    def step(self):
-        self.world.step(3)
-        self.look()
-
-    @invariant()
-    def the_sum_is_right(self):
-        parts = [geom for geom in self.body.geoms if geom.mass != 0.0]
-        properties = self.body.mass_properties
-        m, c, inertia = native_mass(self.body)
-        assert (m, c, inertia) == (properties.mass, [0, 0, 0], [v for row in properties.inertia for v in row])
-        assert tuple(self.body._com) == properties.centre
-        if not parts:
-            assert properties == oo.Mass(1.0)
-            return
-        total, centre, tensor = numpy_mass(parts)
-        assert self.body.mass == pytest.approx(total)
-        assert self.body.centre_of_mass == near(centre)
-        assert self.body.inertia == pytest.approx(tensor, abs=1e-9 * float(np.trace(tensor)))
-
-    @invariant()
-    def nothing_seen_has_moved(self):
-        body = self.body
-        for now, before in zip(
-            (body.position, body.rotation, body.linear_velocity, body.angular_velocity), self.frame, strict=True
-        ):
-            assert now == near(before)
-        assert self.joint.anchor == near(self.held[0])
-        assert self.joint.axis == near(self.held[1])
-        assert self.joint.angle == pytest.approx(self.held[2], abs=1e-9)
-
-    @invariant()
-    def every_geom_is_where_the_tree_says(self):
-        for place in self.places:
-            wanted = self.body.pose * place.pose
-            for geom in place.children:
-                out = ffi.new("dQuaternion")
-                lib.dGeomGetQuaternion(geom._id, out)
-                assert tuple(ffi.unpack(lib.dGeomGetPosition(geom._id), 3)) == near(wanted.position)
-                assert abs(sum(a * b for a, b in zip(out, wanted.rotation, strict=True))) == pytest.approx(1.0)
-                assert geom.pose.position == near(wanted.position)
-
-
-TestParts = Parts.TestCase
-TestParts.settings = settings(max_examples=40, stateful_step_count=15)
 
 
 def test_momentum_of_what_stays_is_not_touched_by_what_comes_and_goes():
