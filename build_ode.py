@@ -5,7 +5,7 @@ from pathlib import Path
 from cffi import FFI
 
 NATIVE = Path("osgode") / "native"
-UNITS = ("support", "core", "glide", "geoms", "joints", "broad", "step", "queries")
+UNITS = ("support", "core", "glide", "geoms", "joints", "broad", "step", "queries", "gjk", "triangles", "sweep")
 
 ffi = FFI()
 ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())

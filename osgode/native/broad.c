@@ -620,3 +620,32 @@ void in_box_of(oo_world *w, dGeomID geom, void (*visit)(void *, unsigned int), v
     for (unsigned int i = 0; i < b->moving_count; i++)
         if (overlap(&b->entries[b->moving[i]].box, &wanted)) visit(data, b->moving[i]);
 }
+
+void near_way(oo_world *w, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data) {
+    const struct oo_broad *b = w->broad;
+    box wanted;
+    for (int k = 0; k < 3; k++) {
+        wanted.low[k] = below(low[k]);
+        wanted.high[k] = above(high[k]);
+    }
+    for (unsigned int i = 0; i < b->huge_count; i++) visit(data, b->huge[i]);
+    VISIT(b->root, meets_box, &wanted)
+    for (unsigned int i = 0; i < b->moving_count; i++) { /* they stand where they went to */
+        unsigned int slot = b->moving[i];
+        const dReal *v = dBodyGetLinearVel(dGeomGetBody(w->geoms[slot].id));
+        box way = b->entries[slot].box;
+        for (int k = 0; k < 3; k++) {
+            double back = v[k] * w->step_size;
+            if (back > 0)
+                way.low[k] = below(way.low[k] - back);
+            else
+                way.high[k] = above(way.high[k] - back);
+        }
+        if (overlap(&way, &wanted)) visit(data, slot);
+    }
+}
+
+int pair_declared(const oo_world *w, unsigned int slot1, unsigned int slot2) {
+    const struct oo_broad *b = w->broad;
+    return w->declared_count > MOST_DECLARED || declared(&b->entries[slot1].members, &b->entries[slot2].members);
+}

@@ -146,12 +146,30 @@ int oo_body_new(oo_world *w) {
     guard_leave();
     if (!body->id) return OO_NO_MEMORY;
     dBodySetData(body->id, (void *)(size_t)w->body_count);
+    body->thin = INFINITY;
+    body->kept = 1;
     count_live(&live.bodies, 1);
     oo_body_snap(w, w->body_count);
     return (int)w->body_count++;
 }
 
+void oo_body_set_tunnelling(oo_world *w, unsigned int index, int tunnelling) {
+    oo_body *body = &w->bodies[index];
+    w->flagged_count += (unsigned int)((tunnelling != OO_TUNNEL) - (body->tunnelling != OO_TUNNEL));
+    body->tunnelling = tunnelling;
+}
+
+int oo_body_take_warning(oo_world *w, unsigned int index) {
+    oo_body *body = &w->bodies[index];
+    if (body->warned != 1) return 0;
+    body->warned = 2;
+    w->too_fast_count--;
+    return 1;
+}
+
 void oo_body_free(oo_world *w, unsigned int index) {
+    oo_body_set_tunnelling(w, index, OO_TUNNEL);
+    oo_body_take_warning(w, index);
     if (!guard_enter()) {
         dBodyDestroy(w->bodies[index].id);
         guard_leave();

@@ -38,14 +38,23 @@ enum { OO_REFUSED = 0x7fffffff }; /* as the surface of a contact row: it doesn't
 
 enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END };
 
+enum oo_tunnelling { OO_TUNNEL, OO_TUNNEL_RAY, OO_TUNNEL_SWEEP };
+
 typedef struct oo_body {
     dBodyID id;
     double com[3];      /* centre of mass (ODE's reference point) in the frame that the author placed */
+    double thin;        /* half of its thinnest part, metres; infinite without geoms */
+    double kept;        /* of its motion in the last step, where it was stopped on its way */
+    int tunnelling;     /* enum oo_tunnelling */
+    int warned;         /* that it is too fast for its size: 1 to be told, 2 told */
     int settled;        /* it slept when its pose was written last, and both tables say the same */
 } oo_body;
 
+typedef struct oo_mesh oo_mesh;
+
 typedef struct oo_geom {
     dGeomID id;
+    oo_mesh *mesh;                  /* of a triangle mesh */
     unsigned int category, collide;
     unsigned int material;          /* 0 to 15 */
     unsigned int surface;           /* own surface, an index above the pair table; 0: none */
@@ -107,7 +116,6 @@ typedef struct oo_glide {
     double next[7], velocity[6];    /* of this step; the velocity of the centre of mass */
 } oo_glide;
 
-typedef struct oo_mesh oo_mesh;
 typedef struct oo_broad oo_broad;
 
 typedef struct oo_query {
@@ -133,6 +141,8 @@ typedef struct oo_world {
     int broken;
     int out_of_memory;              /* while colliding */
     int bad_body;                   /* index, or -1 */
+    unsigned int flagged_count;     /* bodies with a tunnelling of their own */
+    unsigned int too_fast_count;    /* bodies to be warned of */
 
     oo_body *bodies;                /* dense: the last takes the place of one that is freed */
     unsigned int body_count, body_capacity;
@@ -261,5 +271,8 @@ int oo_run(oo_world *, unsigned int count);
 void oo_abandon(oo_world *);
 /* The pose of one body into both tables: it was put there, so there is nothing to interpolate. */
 void oo_body_snap(oo_world *, unsigned int index);
+void oo_body_set_tunnelling(oo_world *, unsigned int index, int tunnelling);
+/* 1 once for each body that went farther in a step than it is thick, without being followed. */
+int oo_body_take_warning(oo_world *, unsigned int index);
 /* Linear velocity of the frame, angular velocity: 6 doubles a body. */
 void oo_export_velocities(const oo_world *, double *out);

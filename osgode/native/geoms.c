@@ -2,13 +2,6 @@
 
 #include "internal.h"
 
-struct oo_mesh {
-    dTriMeshDataID id;
-    double *vertices;
-    unsigned int *triangles;
-    oo_mesh *next;
-};
-
 static int take_slot(oo_world *w) {
     if (w->free_count) return (int)w->free_slots[--w->free_count];
     if (reserve(&w->geoms, &w->geom_capacity, w->geom_count + 1, sizeof *w->geoms)) return OO_NO_MEMORY;
@@ -53,6 +46,7 @@ int oo_geom_new(oo_world *w, int kind, const double *d, oo_mesh *mesh) {
     }
     guard_leave();
     int result = fill_slot(w, slot, id, flags);
+    if (result >= 0) w->geoms[slot].mesh = mesh;
     if (result >= 0) count_live(&live.geoms, 1);
     return result;
 }
@@ -138,6 +132,7 @@ static void mesh_destroy(oo_mesh *mesh) {
         dGeomTriMeshDataDestroy(mesh->id);
         guard_leave();
     }
+    triangles_free(mesh);
     free(mesh->vertices);
     free(mesh->triangles);
     free(mesh);
@@ -164,6 +159,7 @@ oo_mesh *oo_mesh_new(oo_world *w, const double *vertices, unsigned int vertex_co
     }
     memcpy(mesh->vertices, vertices, 3 * sizeof(double) * vertex_count);
     memcpy(mesh->triangles, triangles, 3 * sizeof(unsigned int) * triangle_count);
+    mesh->triangle_count = triangle_count;
     mesh->id = dGeomTriMeshDataCreate();
     dGeomTriMeshDataBuildDouble(mesh->id, mesh->vertices, 3 * sizeof(double), (int)vertex_count, mesh->triangles,
                                 (int)(3 * triangle_count), 3 * sizeof(unsigned int));

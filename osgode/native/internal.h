@@ -94,4 +94,22 @@ HIDDEN int usable(const dContactGeom *);
 /* Whether a contact is to make a joint. */
 HIDDEN int row_acts(const oo_world *, const oo_contact *);
 
+struct oo_triangles;
+struct oo_mesh {
+    dTriMeshDataID id;
+    double *vertices;
+    unsigned int *triangles, triangle_count;
+    struct oo_triangles *tree;
+    oo_mesh *next;
+};
+/* The triangles whose boxes meet a box, in the axes of the mesh. */
+HIDDEN int triangles_in(oo_mesh *, const double low[3], const double high[3], void (*visit)(void *, const double *corners[3]), void *data);
+HIDDEN void triangles_free(oo_mesh *);
+
+/* Put bodies that were too fast to where they first touch something. */
+HIDDEN int stop_fast_bodies(oo_world *);
+/* Geoms whose boxes were in a box at any time in the last step. */
+HIDDEN void near_way(oo_world *, const double low[3], const double high[3], void (*visit)(void *, unsigned int slot), void *data);
+HIDDEN int pair_declared(const oo_world *, unsigned int slot1, unsigned int slot2);
+
 #endif

@@ -258,6 +258,16 @@ static int integrate(oo_world *w) {
     return done;
 }
 
+/* Without being followed it may go through what is thinner than it. */
+static void warn_if_too_fast(oo_world *w, oo_body *body) {
+    if (body->tunnelling || body->warned) return;
+    const dReal *v = dBodyGetLinearVel(body->id);
+    double thick = 2 * body->thin, way = w->step_size * w->step_size * dot(v, v);
+    if (way <= thick * thick) return;
+    body->warned = 1;
+    w->too_fast_count++;
+}
+
 static int out_of_bounds(dBodyID id) {
     const dReal *p = dBodyGetPosition(id), *v = dBodyGetLinearVel(id), *a = dBodyGetAngularVel(id);
     const dReal *q = dBodyGetQuaternion(id);
@@ -283,6 +293,7 @@ static void export_poses(oo_world *w) {
         memcpy(w->previous + 7 * i, w->poses + 7 * i, 7 * sizeof(double));
         write_pose(body, w->poses + 7 * i);
         if (w->bad_body < 0 && out_of_bounds(body->id)) w->bad_body = (int)i;
+        warn_if_too_fast(w, body);
     }
 }
 
@@ -391,6 +402,7 @@ int oo_run(oo_world *w, unsigned int count) {
             begin_glides(w);
             status = integrate(w);
             if (status == OO_OK) end_glides(w);
+            if (status == OO_OK && w->flagged_count) status = stop_fast_bodies(w);
             if (status == OO_ASSERT) clean_up(w);
         }
         if (status == OO_OK) status = compare_touches(w);

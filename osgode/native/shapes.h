@@ -1,0 +1,22 @@
+/* Convex shapes in the world, as sweeps see them. */
+
+#ifndef OSGODE_SHAPES_H
+#define OSGODE_SHAPES_H
+
+#include "internal.h"
+
+enum { SHAPE_SEGMENT, SHAPE_BOX, SHAPE_CYLINDER, SHAPE_POINTS, SHAPE_PLANE };
+
+typedef struct shape {
+    int kind;
+    double position[3], rotation[12]; /* as ODE's: rows of 4 */
+    double half[3];                   /* half lengths; of a segment along z; of a cylinder the radius first */
+    double margin;                    /* everything within it belongs to the shape too */
+    const double *points;             /* in the world */
+    int count;
+} shape;
+
+HIDDEN double shape_distance(const shape *, const double *by, const shape *, double *normal);
+HIDDEN double first_touch(const shape *, const double *motion, const shape *, double gap, double *normal);
+
+#endif
