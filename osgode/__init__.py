@@ -31,11 +31,16 @@ from osgode.maths import Pose, Quat, QuatLike, Vec3, Vec3Like, look_at
 from osgode.native import live_natives
 from osgode.nodes.base import PhysicsNode
 from osgode.nodes.body import Body
+from osgode.nodes.colliders import colliders
+from osgode.nodes.convex import ConvexHull
 from osgode.nodes.geom import Geom
+from osgode.nodes.heightdata import HeightData
+from osgode.nodes.heightfield import Heightfield
 from osgode.nodes.meshdata import MeshData
 from osgode.nodes.placeable import Placeable
 from osgode.nodes.plane import Plane
 from osgode.nodes.primitives import Box, Capsule, Cylinder, Sphere
+from osgode.nodes.ray import Hit, Ray
 from osgode.nodes.spaces import HashSpace, QuadTreeSpace, SimpleSpace, Space, SweepAndPruneSpace
 from osgode.nodes.touch import Touch
 from osgode.nodes.trimesh import Trimesh
@@ -51,6 +56,7 @@ __all__ = [
     "Body",
     "Box",
     "Capsule",
+    "ConvexHull",
     "CullVisitor",
     "Cylinder",
     "Drawable",
@@ -61,7 +67,10 @@ __all__ = [
     "Geom",
     "Group",
     "HashSpace",
+    "HeightData",
+    "Heightfield",
     "Hinge",
+    "Hit",
     "Joint",
     "Leaf",
     "Mass",
@@ -82,6 +91,7 @@ __all__ = [
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
+    "Ray",
     "Rectangle",
     "SimpleSpace",
     "Sky",
@@ -108,6 +118,7 @@ __all__ = [
     "World",
     "box_drawable",
     "capsule_drawable",
+    "colliders",
     "cylinder_drawable",
     "define_kind",
     "define_material",

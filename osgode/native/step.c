@@ -41,13 +41,13 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
     unsigned int slot1 = (unsigned int)(size_t)dGeomGetData(g1), slot2 = (unsigned int)(size_t)dGeomGetData(g2);
     const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
     if (!(a->category & b->collide) || !(b->category & a->collide)) return;
+    unsigned int either = a->flags | b->flags, both = a->flags & b->flags;
+    if (both & OO_IS_RAY) return;
     dBodyID body1 = dGeomGetBody(g1), body2 = dGeomGetBody(g2);
-    if (!body1 && !body2) return;
+    if (!body1 && !body2 && !(either & OO_IS_RAY)) return; /* a ray that stands still sees what stands still */
     if (body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact)) return;
-    if (a->flags & b->flags & OO_IS_CYLINDER && slot2 < slot1) { /* ODE's depth depends on the order of two cylinders */
-        dGeomID g = g1;
-        g1 = g2;
-        g2 = g;
+    /* ODE's depth depends on the order of two cylinders; and rays come first */
+    if ((both & OO_IS_CYLINDER && slot2 < slot1) || b->flags & OO_IS_RAY) {
         unsigned int slot = slot1;
         slot1 = slot2;
         slot2 = slot;
@@ -60,13 +60,21 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
         return;
     }
 
-    lock_meshes(((a->flags | b->flags) & OO_IS_MESH) != 0);
-    int found = dCollide(g1, g2, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
+    lock_meshes((either & OO_IS_MESH) != 0);
+    int found = collide_pair(a, b, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
     lock_meshes(0);
+    if (either & OO_IS_HEIGHTFIELD && heightfield_was_too_fine()) {
+        int swap = !(a->flags & OO_IS_HEIGHTFIELD);
+        w->too_fine[swap] = slot1;
+        w->too_fine[!swap] = slot2;
+        w->is_too_fine = 1;
+        return;
+    }
 
     unsigned int surface = a->surface ? a->surface : b->surface;
     if (a->surface && b->surface && w->surfaces[b->surface].mu < w->surfaces[a->surface].mu) surface = b->surface;
     if (!surface) surface = MATERIALS * a->material + b->material;
+    if (either & OO_IS_RAY) surface = OO_NO_RESPONSE;
     unsigned int kept = first;
     for (unsigned int i = first; i < first + (unsigned int)found; i++) {
         if (!usable(&w->contacts[i].geom)) continue; /* ODE gives NaN for a sphere centred on a cylinder, among others */
@@ -80,7 +88,7 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
         kept++;
     }
     w->contact_count = kept;
-    if (kept > first && (a->flags | b->flags) & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
+    if (kept > first && either & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
 }
 
 /* A slot that was retired before the last step is named by no contact, touch or event any longer. */
@@ -98,7 +106,7 @@ static int collide(oo_world *w) {
         return OO_BROKEN;
     }
     w->contact_count = w->event_count = w->touching_count = 0;
-    w->out_of_memory = 0;
+    w->out_of_memory = w->is_too_fine = 0;
     for (unsigned int i = 0; i < w->pair_count; i++) {
         if (w->pairs[i].other)
             dSpaceCollide2((dGeomID)w->pairs[i].space, (dGeomID)w->pairs[i].other, w, on_near);
@@ -106,7 +114,7 @@ static int collide(oo_world *w) {
             dSpaceCollide(w->pairs[i].space, w, on_near);
     }
     guard_leave();
-    return w->out_of_memory ? OO_NO_MEMORY : OO_OK;
+    return w->out_of_memory ? OO_NO_MEMORY : w->is_too_fine ? OO_TOO_FINE : OO_OK;
 }
 
 static int respond(oo_world *w) {
@@ -115,13 +123,16 @@ static int respond(oo_world *w) {
     if (reserve(&w->feedback, &w->feedback_capacity, listened, sizeof *w->feedback)) return OO_NO_MEMORY;
     w->feedback_count = 0;
     for (unsigned int i = 0; i < w->touching_count; i++)
-        for (unsigned int k = 0; k < w->touching[i].count; k++)
-            w->contacts[w->touching[i].first + k].feedback = (int)w->feedback_count++;
+        for (unsigned int k = 0; k < w->touching[i].count; k++) {
+            oo_contact *row = &w->contacts[w->touching[i].first + k];
+            if (row->surface != OO_NO_RESPONSE) row->feedback = (int)w->feedback_count++;
+        }
     if (guard_enter()) return OO_ASSERT;
     dContact contact;
     memset(&contact, 0, sizeof contact);
     for (unsigned int i = 0; i < w->contact_count; i++) {
         oo_contact *row = &w->contacts[i];
+        if (row->surface == OO_NO_RESPONSE) continue;
         contact.surface = w->surfaces[row->surface];
         contact.geom = row->geom;
         dJointID joint = dJointCreateContact(w->id, w->contact_group, &contact);
@@ -212,6 +223,7 @@ static int compare_touches(oo_world *w) {
         oo_touch *touch = &w->touching[i];
         for (unsigned int k = touch->first; k < touch->first + touch->count; k++) {
             oo_contact *row = &w->contacts[k];
+            if (row->feedback < 0) continue;
             const dReal *force = w->feedback[row->feedback].f1;
             /* f1 is what acts on the first body that there is: on that of geom 2 where geom 1 is static */
             double sign = dGeomGetBody(row->geom.g1) ? 1.0 : -1.0;

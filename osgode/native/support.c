@@ -266,6 +266,7 @@ int oo_init(void) {
         dSetFreeHandler(counted_free);
     }
     if (!dInitODE2(0) || !dAllocateODEDataForThread(dAllocateMaskAll)) return OO_ASSERT;
+    init_heightfields();
     oo_world *first = oo_world_new();
     if (!first) return OO_ASSERT;
     dGeomDestroy(dCreateSphere(0, 1)); /* leaves one block in ODE's cache of geom positions */

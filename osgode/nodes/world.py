@@ -187,6 +187,7 @@ class World(WorldSettings, Group):
                 self._send_pairs(realm)
             before = ptr.steps
             realm.busy = True
+            realm.ray_hits = None
             try:
                 status = lib.oo_run(ptr, left)
             finally:
@@ -202,6 +203,8 @@ class World(WorldSettings, Group):
             realm.broken = status == lib.OO_BROKEN
             if status < 0 and ptr.bad_body >= 0:
                 raise self._bad_body(realm.bodies[ptr.bad_body])
+            if status == lib.OO_TOO_FINE:
+                raise _too_fine(realm)
             if status < 0:
                 checked(status, f"{self.describe()} step {ptr.steps + 1}")
 
@@ -251,7 +254,8 @@ class World(WorldSettings, Group):
         """A copy of the contacts of the last step, as a structured array.
 
         ``geom.pos``, ``geom.normal`` (out of the second geom) and ``geom.depth`` of each; ``slot1`` and ``slot2``
-        say which geoms (`geom_of_slot`); ``force`` (N, on the first) where somebody listens.
+        say which geoms (`geom_of_slot`); ``force`` (N, on the first) where somebody listens. Hits of rays are among
+        them: there ``slot1`` is the ray's, ``depth`` is the distance, and ``surface`` is ``0x7fffffff``: no response.
         """
         realm = self._live("contacts")
         return contact_rows(realm, 0, realm.ptr.contact_count)
@@ -304,6 +308,16 @@ class World(WorldSettings, Group):
 
     def _unlinked(self, parent: Group) -> None:
         """Nothing: a World lives by itself."""
+
+
+def _too_fine(realm: Realm) -> PhysicsError:
+    field, geom = (realm.node_of_slot(slot) for slot in realm.ptr.too_fine)
+    names = [node.describe() if node is not None else "a geom" for node in (field, geom)]
+    return PhysicsError(
+        f"{names[0]} has too many samples below {names[1]}: ODE can't collide more than 1600 of its cells with one "
+        f"geom. Give it coarser samples, make {names[1]} of several smaller geoms or a ConvexHull, or use a Trimesh "
+        "instead. Nothing was moved in this step."
+    )
 
 
 def _view(table: FloatArray, count: int) -> FloatArray:
