@@ -1,4 +1,4 @@
-"""Builds the C extension: reads the declarations in osgode/native/, compiles the C files there, links Debian's libode."""
+"""Builds the C extension: reads the declarations in osgode/native/, compiles the C files, links Debian's libode."""
 
 from pathlib import Path
 
@@ -12,7 +12,8 @@ ffi.set_source(
     "osgode.native._core",
     '#include <ode/ode.h>\n#include "core.h"\n',
     sources=[
-        str(NATIVE / f"{name}.c") for name in ("support", "core", "geoms", "heightfield", "collide", "joints", "step")
+        str(NATIVE / f"{name}.c")
+        for name in ("support", "core", "geoms", "heightfield", "polytope", "collide", "joints", "step")
     ],
     include_dirs=[str(NATIVE)],
     depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "ode.cdef")],

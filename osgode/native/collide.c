@@ -2,9 +2,23 @@
 
 #include "internal.h"
 
+static int is_hull(const oo_geom *geom) { return geom->mesh && geom->mesh->planes; }
+
+static void hull_hit(dContactGeom *row, dGeomID ray, const oo_geom *hull, const double *plane, double t) {
+    frame at = frame_of(hull->id);
+    dVector3 start, direction;
+    dGeomRayGet(ray, start, direction);
+    turn(&at, plane, row->normal);
+    for (int k = 0; k < 3; k++) row->pos[k] = start[k] + t * direction[k];
+    row->depth = t;
+    row->g1 = ray;
+    row->g2 = hull->id;
+    row->side1 = row->side2 = -1;
+}
+
 /* ODE's own takes the distance to a plane for the distance along the ray, and turns vectors in place. The ray is
    clipped by one plane after the other: it is inside from the last one that it enters to the first that it leaves. */
-static int collide_ray_with_hull(dGeomID ray, const oo_geom *hull, dContactGeom *out) {
+static int collide_ray_with_hull(dGeomID ray, const oo_geom *hull, int most, dContactGeom *rows, int skip) {
     frame at = frame_of(hull->id);
     dVector3 start, direction;
     dGeomRayGet(ray, start, direction);
@@ -28,24 +42,19 @@ static int collide_ray_with_hull(dGeomID ray, const oo_geom *hull, dContactGeom 
             outward = plane;
         }
     }
-    if (enter > leave || !outward || leave < 0) return 0;
-    int inside = enter < 0 || !in;
-    if (inside && dGeomRayGetBackfaceCull(ray)) return 0;
-    double t = inside ? leave : enter;
-    if (t > dGeomRayGetLength(ray)) return 0;
-    turn(&at, inside ? outward : in, out->normal);
-    for (int k = 0; k < 3; k++) out->pos[k] = start[k] + t * direction[k];
-    out->depth = t;
-    out->g1 = ray;
-    out->g2 = hull->id;
-    out->side1 = out->side2 = -1;
-    return 1;
+    if (enter > leave || !outward) return 0;
+    double length = dGeomRayGetLength(ray);
+    int one = dGeomRayGetClosestHit(ray) || dGeomRayGetFirstContact(ray) || most == 1, found = 0;
+    if (in && enter >= 0 && enter <= length) hull_hit(row_at(rows, found++, skip), ray, hull, in, enter);
+    if (leave < 0 || leave > length || dGeomRayGetBackfaceCull(ray) || (one && found)) return found;
+    hull_hit(row_at(rows, found++, skip), ray, hull, outward, leave);
+    return found;
 }
 
 /* Normals point against the ray, whichever side of a surface it meets; and on the edge of two triangles it meets one. */
 static int collide_ray(const oo_geom *ray, const oo_geom *other, int most, dContactGeom *rows, int skip) {
-    int is_solid_hull = other->mesh && other->mesh->planes && !other->mesh->id;
-    int found = is_solid_hull ? collide_ray_with_hull(ray->id, other, rows) : dCollide(ray->id, other->id, most, rows, skip);
+    int found = is_hull(other) ? collide_ray_with_hull(ray->id, other, most, rows, skip)
+                               : dCollide(ray->id, other->id, most, rows, skip);
     int kept = 0;
     dVector3 start, direction;
     dGeomRayGet(ray->id, start, direction);
@@ -63,10 +72,12 @@ static int collide_ray(const oo_geom *ray, const oo_geom *other, int most, dCont
     return kept;
 }
 
+static int is_polytope(const oo_geom *geom) { return is_hull(geom) || dGeomGetClass(geom->id) == dBoxClass; }
 static int has_corners(const oo_geom *geom) { return geom->mesh && !(geom->flags & OO_IS_HEIGHTFIELD); }
 
 int collide_pair(const oo_geom *a, const oo_geom *b, int most, dContactGeom *rows, int skip) {
     if (a->flags & OO_IS_RAY) return collide_ray(a, b, most, rows, skip);
+    if ((is_hull(a) && is_polytope(b)) || (is_hull(b) && is_polytope(a))) return collide_polytopes(a, b, most, rows, skip);
     if (has_corners(a) && b->flags & OO_IS_HEIGHTFIELD) return collide_mesh_with_heightfield(a, b, most, rows, skip);
     if (!has_corners(b) || !(a->flags & OO_IS_HEIGHTFIELD)) return dCollide(a->id, b->id, most, rows, skip);
     int found = collide_mesh_with_heightfield(b, a, most, rows, skip);

@@ -25,6 +25,7 @@ typedef struct field {
     unsigned int spot_count, spot_capacity;
 } field;
 
+static const double EDGE = 1e-9; /* samples beyond the border that a ray still meets: it may stand on it but for rounding */
 static int field_class;
 static __thread int too_fine;
 
@@ -103,19 +104,24 @@ static void clip(double o, double d, double low, double high, double *from, doub
     *to = fmin(*to, fmax(a, b));
 }
 
+/* How far along the ray the next cell begins; there is none beyond the last. */
+static double next_border(double o, double d, int at, int last) {
+    if (d == 0 || at == (d > 0 ? last : 0)) return INFINITY;
+    return (at + (d > 0) - o) / d;
+}
+
 static void walk_cells(walk *w, double length) {
     const oo_mesh *m = w->f->data;
     int last_i = (int)m->columns - 2, last_j = (int)m->rows - 2;
     double from = 0, to = length;
-    clip(w->o[0], w->d[0], 0, last_i + 1, &from, &to);
-    clip(w->o[2], w->d[2], 0, last_j + 1, &from, &to);
+    clip(w->o[0], w->d[0], -EDGE, last_i + 1 + EDGE, &from, &to);
+    clip(w->o[2], w->d[2], -EDGE, last_j + 1 + EDGE, &from, &to);
     double margin = 1e-9 * (1 + fabs(m->lowest) + fabs(m->highest)); /* flat ground is a slab without height */
     clip(w->o[1], w->d[1], m->lowest - margin, m->highest + margin, &from, &to);
     if (from > to) return;
     int i = clamped(floor(w->o[0] + from * w->d[0]), last_i), j = clamped(floor(w->o[2] + from * w->d[2]), last_j);
     for (;;) { /* i and j go one way only, so this ends */
-        double next_x = w->d[0] == 0 ? INFINITY : (i + (w->d[0] > 0) - w->o[0]) / w->d[0];
-        double next_z = w->d[2] == 0 ? INFINITY : (j + (w->d[2] > 0) - w->o[2]) / w->d[2];
+        double next_x = next_border(w->o[0], w->d[0], i, last_i), next_z = next_border(w->o[2], w->d[2], j, last_j);
         double next = fmax(from, fmin(to, fmin(next_x, next_z)));
         walk_cell(w, i, j, from, next);
         if ((w->closest && w->found) || w->found == w->most || fmin(next_x, next_z) >= to) return;
@@ -124,7 +130,6 @@ static void walk_cells(walk *w, double length) {
             i += w->d[0] > 0 ? 1 : -1;
         else
             j += w->d[2] > 0 ? 1 : -1;
-        if (i < 0 || i > last_i || j < 0 || j > last_j) return;
     }
 }
 

@@ -65,7 +65,11 @@ HIDDEN int collide_mesh_with_heightfield(const oo_geom *mesh, const oo_geom *fie
 /* Whether a geom was left out since the last call, having too many samples below it. */
 HIDDEN int heightfield_was_too_fine(void);
 
-/* What dCollide does, and what it should do: ODE's rays miss solid hulls, and its meshes sink into heightfields. */
+/* How two hulls, or a hull and a box, meet. */
+HIDDEN int collide_polytopes(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
+
+/* What dCollide does, and what it should do: ODE's rays miss solid hulls, its hulls jitter, and its meshes
+   sink into heightfields. */
 HIDDEN int collide_pair(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
 
 static inline dContactGeom *row_at(dContactGeom *rows, int index, int skip) {

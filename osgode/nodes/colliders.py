@@ -29,7 +29,7 @@ def colliders(
     name: str = "",
     **fields: Unpack[HullFields],
 ) -> tuple[Geom, ...]:
-    """Geoms for a model that is to be a moving thing: ``for geom in colliders(...): place.attach(geom)``.
+    """Make the geoms of a model that is to be a moving thing; attach them all below one Placeable of a body.
 
     There is no best way, so the ``policy`` has to be said:
 

@@ -45,11 +45,11 @@ class ConvexHull(SharedGeom):
     A closed mesh that is convex already is taken as it is. For all else the hull is computed, which needs the extra
     ``convex``.
 
-    ODE has two ways to collide it. As a mesh, which is the default, it has as many contacts as it takes to rest
-    quietly, but is a surface: a small thing that gets wholly inside is not pushed out, and hull against hull costs
-    more. With ``solid=True`` it is ODE's convex: nothing stays inside, but except with planes, meshes and heightfields
-    it has one contact at a time, so that what lies on a face of it jitters. A solid hull that is to lie still
-    on a box, or boxes on it, should be a mesh; a quick one, or one that balls are thrown at, may be solid.
+    With planes, boxes, heightfields and other hulls it has as many contacts as it takes to rest quietly. For the
+    rest ODE has two ways to collide it. As a mesh, which is the default, it has full contacts with capsules and
+    cylinders too, but is a surface to them and to spheres: a small one that gets wholly inside is not pushed out. With
+    ``solid=True`` it is ODE's convex: nothing stays inside, but a capsule or cylinder has one contact with it at a
+    time, so that one that lies on a face of it jitters.
 
     Args:
         source: (n, 3) points, metres; or a loaded model, a Mesh, MeshData, or a pair (vertices, triangles). Share one

@@ -13,8 +13,8 @@ from osgode.mass import is_closed, refuse_complex
 from osgode.maths import FloatArray
 from osgode.nodes.meshdata import MeshData
 
-FLAT = 1e-9
-"""A point this part of the size beyond a face is still on it."""
+FLAT = 2e-6
+"""A point this part of the size beyond a face is still on it: models are in single precision."""
 MERGED = (1e-9, 1e-7, 1e-5)
 """Points this part of the size apart are one. The larger ones are tried where slivers had to be dropped."""
 

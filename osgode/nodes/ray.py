@@ -105,8 +105,8 @@ class Ray(Geom):
         choice(*REPORTS),
         _read_reports,
         _write_reports,
-        doc="Of each mesh and heightfield 'closest': its nearest hit; 'any': the first one found, which is quicker; "
-        "'all': every one, as many as `World.contacts_per_pair`. Other shapes have one hit.",
+        doc="Of each mesh, hull and heightfield 'closest': its nearest hit; 'any': the first one found, which is "
+        "quicker; 'all': every one, as many as `World.contacts_per_pair`. Other shapes have one hit.",
     )
     backface_cull = FlagField(
         False,
