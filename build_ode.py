@@ -13,10 +13,10 @@ ffi.set_source(
     '#include <ode/ode.h>\n#include "core.h"\n',
     sources=[
         str(NATIVE / f"{name}.c")
-        for name in ("support", "core", "geoms", "heightfield", "polytope", "collide", "joints", "step")
+        for name in ("support", "core", "geoms", "heightfield", "terrain", "polytope", "collide", "joints", "step")
     ],
     include_dirs=[str(NATIVE)],
-    depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "ode.cdef")],
+    depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "heightfield.h", "ode.cdef")],
     libraries=["ode", "m", "dl", "pthread"],
     extra_compile_args=["-O2", "-std=gnu11", "-Wall"],
 )

@@ -6,8 +6,7 @@ enum oo_status {
     OO_NO_MEMORY = -1,  /* nothing was done */
     OO_ASSERT = -2,     /* ODE refused; oo_last_error() says why */
     OO_BAD_BODY = -3,   /* world.bad_body is not finite or out of bounds; nothing was done */
-    OO_BROKEN = -4,     /* an ODE assert inside a collide left this World unusable */
-    OO_TOO_FINE = -5    /* world.too_fine names a heightfield with too many samples below a geom; nothing was done */
+    OO_BROKEN = -4      /* an ODE assert inside a collide left this World unusable */
 };
 
 enum oo_geom_kind {
@@ -76,8 +75,6 @@ typedef struct oo_world {
     int broken;
     int out_of_memory;              /* while colliding */
     int bad_body;                   /* index, or -1 */
-    int is_too_fine;                /* while colliding */
-    unsigned int too_fine[2];       /* then: slots of a heightfield and of the geom on it */
 
     oo_body *bodies;                /* dense: the last takes the place of one that is freed */
     unsigned int body_count, body_capacity;

@@ -56,14 +56,26 @@ struct oo_mesh {
     oo_mesh *next;
 };
 
+/* The pose of a geom. */
+typedef struct frame {
+    const dReal *p, *r;
+} frame;
+
 /* The geom class of heightfields: made once, at import. */
 HIDDEN void init_heightfields(void);
 /* NULL if there is no memory. */
 HIDDEN dGeomID heightfield_new(const oo_mesh *, const double *dimensions);
 /* How a mesh or hull meets a heightfield: contact rows as of dCollide. */
 HIDDEN int collide_mesh_with_heightfield(const oo_geom *mesh, const oo_geom *field, int most, dContactGeom *rows, int skip);
-/* Whether a geom was left out since the last call, having too many samples below it. */
-HIDDEN int heightfield_was_too_fine(void);
+/* A closed convex thing, in its own axes. */
+typedef struct polytope {
+    frame at;
+    const double *vertices, *planes;
+    unsigned int vertex_count, plane_count;
+    double box_vertices[24], box_planes[24];
+} polytope;
+/* A mesh or hull has its data, a box NULL. A mesh that is no hull has no planes. */
+HIDDEN void polytope_of(dGeomID, const oo_mesh *, polytope *);
 
 /* How two hulls, or a hull and a box, meet. */
 HIDDEN int collide_polytopes(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
@@ -76,10 +88,6 @@ static inline dContactGeom *row_at(dContactGeom *rows, int index, int skip) {
     return (dContactGeom *)((char *)rows + (size_t)index * (size_t)skip);
 }
 
-/* The pose of a geom. */
-typedef struct frame {
-    const dReal *p, *r;
-} frame;
 static inline frame frame_of(dGeomID id) { return (frame){dGeomGetPosition(id), dGeomGetRotation(id)}; }
 static inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 /* out = R v */

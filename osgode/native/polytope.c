@@ -6,13 +6,6 @@
 
 enum { MOST_CORNERS = 96, MOST_SPOTS = 512, MOST_KEPT = 8 };
 
-typedef struct polytope {
-    frame at;
-    const double *vertices, *planes; /* in its own axes */
-    unsigned int vertex_count, plane_count;
-    double box_vertices[24], box_planes[24];
-} polytope;
-
 typedef struct outline { /* what it turns towards the other, seen along the direction */
     double corners[MOST_CORNERS][2];
     int count;
@@ -29,17 +22,17 @@ typedef struct meeting {
     int count;
 } meeting;
 
-static void polytope_of(const oo_geom *geom, polytope *out) {
-    out->at = frame_of(geom->id);
-    if (geom->mesh) {
-        out->vertices = geom->mesh->vertices;
-        out->vertex_count = geom->mesh->vertex_count;
-        out->planes = geom->mesh->planes;
-        out->plane_count = geom->mesh->plane_count;
+void polytope_of(dGeomID id, const oo_mesh *mesh, polytope *out) {
+    out->at = frame_of(id);
+    if (mesh) {
+        out->vertices = mesh->vertices;
+        out->vertex_count = mesh->vertex_count;
+        out->planes = mesh->planes;
+        out->plane_count = mesh->plane_count;
         return;
     }
     dVector3 size;
-    dGeomBoxGetLengths(geom->id, size);
+    dGeomBoxGetLengths(id, size);
     memset(out->box_planes, 0, sizeof out->box_planes);
     for (int i = 0; i < 8; i++)
         for (int k = 0; k < 3; k++) out->box_vertices[3 * i + k] = (i >> k & 1 ? 0.5 : -0.5) * size[k];
@@ -190,8 +183,8 @@ static void set_axes(meeting *m) {
 int collide_polytopes(const oo_geom *first, const oo_geom *second, int most, dContactGeom *rows, int skip) {
     polytope a, b;
     meeting m;
-    polytope_of(first, &a);
-    polytope_of(second, &b);
+    polytope_of(first->id, first->mesh, &a);
+    polytope_of(second->id, second->mesh, &b);
     double of_a[3], of_b[3];
     double apart_a = least_overlap(&a, &b, of_a);
     if (apart_a > 0) return 0;

@@ -63,13 +63,6 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
     lock_meshes((either & OO_IS_MESH) != 0);
     int found = collide_pair(a, b, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
     lock_meshes(0);
-    if (either & OO_IS_HEIGHTFIELD && heightfield_was_too_fine()) {
-        int swap = !(a->flags & OO_IS_HEIGHTFIELD);
-        w->too_fine[swap] = slot1;
-        w->too_fine[!swap] = slot2;
-        w->is_too_fine = 1;
-        return;
-    }
 
     unsigned int surface = a->surface ? a->surface : b->surface;
     if (a->surface && b->surface && w->surfaces[b->surface].mu < w->surfaces[a->surface].mu) surface = b->surface;
@@ -106,7 +99,7 @@ static int collide(oo_world *w) {
         return OO_BROKEN;
     }
     w->contact_count = w->event_count = w->touching_count = 0;
-    w->out_of_memory = w->is_too_fine = 0;
+    w->out_of_memory = 0;
     for (unsigned int i = 0; i < w->pair_count; i++) {
         if (w->pairs[i].other)
             dSpaceCollide2((dGeomID)w->pairs[i].space, (dGeomID)w->pairs[i].other, w, on_near);
@@ -114,7 +107,7 @@ static int collide(oo_world *w) {
             dSpaceCollide(w->pairs[i].space, w, on_near);
     }
     guard_leave();
-    return w->out_of_memory ? OO_NO_MEMORY : w->is_too_fine ? OO_TOO_FINE : OO_OK;
+    return w->out_of_memory ? OO_NO_MEMORY : OO_OK;
 }
 
 static int respond(oo_world *w) {

@@ -46,10 +46,10 @@ class HeightfieldFields(GeomFields, total=False):
 class Heightfield(SharedGeom):
     """Terrain: heights on a grid over the xz plane of its axes, centred on its origin, solid below.
 
-    Between the samples it is made of triangles, two for each cell. It needs less memory than the same surface as a
-    `Trimesh`, is quick where things are small beside a cell, and pushes up what has got below the surface. What is
-    larger than about 40 by 40 cells is too much for ODE, unless it is a hull or a mesh; `World.step` then says so.
-    Meshes meet it with their corners, hulls with their faces too. Rays see the surface from above and from below.
+    Between the samples it is made of triangles, two for each cell. It needs a tenth of the memory of the same surface
+    as a `Trimesh`, and pushes up what has got below the surface. What takes time are the samples below a thing, so a
+    very large thing is better off with coarse samples. A Trimesh meets it with its corners alone; all else
+    meets its peaks and ridges too. Rays see the surface from above and from below.
 
     It has no volume: as a part of a body it must be given ``mass=0``.
 

@@ -203,8 +203,6 @@ class World(WorldSettings, Group):
             realm.broken = status == lib.OO_BROKEN
             if status < 0 and ptr.bad_body >= 0:
                 raise self._bad_body(realm.bodies[ptr.bad_body])
-            if status == lib.OO_TOO_FINE:
-                raise _too_fine(realm)
             if status < 0:
                 checked(status, f"{self.describe()} step {ptr.steps + 1}")
 
@@ -308,16 +306,6 @@ class World(WorldSettings, Group):
 
     def _unlinked(self, parent: Group) -> None:
         """Nothing: a World lives by itself."""
-
-
-def _too_fine(realm: Realm) -> PhysicsError:
-    field, geom = (realm.node_of_slot(slot) for slot in realm.ptr.too_fine)
-    names = [node.describe() if node is not None else "a geom" for node in (field, geom)]
-    return PhysicsError(
-        f"{names[0]} has too many samples below {names[1]}: ODE can't collide more than 1600 of its cells with one "
-        f"geom. Give it coarser samples, make {names[1]} of several smaller geoms or a ConvexHull, or use a Trimesh "
-        "instead. Nothing was moved in this step."
-    )
 
 
 def _view(table: FloatArray, count: int) -> FloatArray:
