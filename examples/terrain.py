@@ -33,7 +33,7 @@ def heights() -> npt.NDArray[np.float64]:
     slopes = 0.014 * x**2 + 0.004 * z**2
     knolls = 0.55 * np.sin(0.55 * x + 0.4) * np.cos(0.5 * z) + 0.25 * np.sin(1.3 * x) * np.sin(1.1 * z + 1)
     near = np.exp(-((((x / 6.0) ** 2) + (((z - 1.0) / 3.0) ** 2)) ** 2))  # 1 in the middle, 0 outside
-    return (slopes + knolls) * (1 - near)
+    return np.asarray((slopes + knolls) * (1 - near))
 
 
 def ring(tint: tuple[float, float, float]) -> oo.Model:
@@ -60,7 +60,7 @@ class Terrain(Example):
 
     def build(self) -> None:
         """Put it all up."""
-        self.camera = Orbit(oo.Vec3(0.0, 0.9, 0.0), 14.5, yaw=0.35, pitch=0.36, turn=-0.03)
+        self.camera = Orbit(oo.Vec3(0.0, 1.3, -1.5), 13.6, yaw=0.35, pitch=0.4, turn=-0.03)
         self.ground = oo.Heightfield(
             heights(), (SIZE, SIZE), material="earth", appearance=look("grass", scale=5.0, shine=0.0), name="valley"
         )
@@ -103,7 +103,7 @@ class Terrain(Example):
             )
         )
         mast.attach(oo.Cylinder(0.09, BEACON.y - foot, material="steel", appearance=look("steel", shine=0.6)))
-        head = self.moving.attach(oo.Body(name="beacon", position=BEACON + (0, 0.25, 0)))
+        head = self.moving.attach(oo.Body(name="beacon", position=BEACON + oo.Vec3(0.0, 0.25, 0.0)))
         head.attach(oo.Placeable()).attach(
             oo.Box((0.5, 0.34, 0.5), material="steel", appearance=look("paint", (0.95, 0.8, 0.2)))
         )

@@ -139,7 +139,7 @@ class Heightfield(SharedGeom):
         i, j = min(int(u * (columns - 1)), columns - 2), min(int(v * (rows - 1)), rows - 2)
         u, v = u * (columns - 1) - i, v * (rows - 1) - j
         (a, b), (c, d) = self.data.heights[j : j + 2, i : i + 2].tolist()
-        if u + v <= 1.0:  # ODE divides a cell from its (1, 0) corner to its (0, 1) corner
+        if u + v <= 1.0:  # a cell is divided from its (1, 0) corner to its (0, 1) corner
             return float(a + (b - a) * u + (c - a) * v)
         return float(d + (c - d) * (1 - u) + (b - d) * (1 - v))
 
