@@ -41,13 +41,13 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
     unsigned int slot1 = (unsigned int)(size_t)dGeomGetData(g1), slot2 = (unsigned int)(size_t)dGeomGetData(g2);
     const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
     if (!(a->category & b->collide) || !(b->category & a->collide)) return;
+    unsigned int either = a->flags | b->flags, both = a->flags & b->flags;
+    if (both & OO_IS_RAY) return;
     dBodyID body1 = dGeomGetBody(g1), body2 = dGeomGetBody(g2);
-    if (!body1 && !body2) return;
+    if (!body1 && !body2 && !(either & OO_IS_RAY)) return; /* a ray that stands still sees what stands still */
     if (body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact)) return;
-    if (a->flags & b->flags & OO_IS_CYLINDER && slot2 < slot1) { /* ODE's depth depends on the order of two cylinders */
-        dGeomID g = g1;
-        g1 = g2;
-        g2 = g;
+    /* ODE's depth depends on the order of two cylinders; and rays come first */
+    if ((both & OO_IS_CYLINDER && slot2 < slot1) || b->flags & OO_IS_RAY) {
         unsigned int slot = slot1;
         slot1 = slot2;
         slot2 = slot;
@@ -60,13 +60,14 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
         return;
     }
 
-    lock_meshes(((a->flags | b->flags) & OO_IS_MESH) != 0);
-    int found = dCollide(g1, g2, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
+    lock_meshes((either & OO_IS_MESH) != 0);
+    int found = collide_pair(a, b, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
     lock_meshes(0);
 
     unsigned int surface = a->surface ? a->surface : b->surface;
     if (a->surface && b->surface && w->surfaces[b->surface].mu < w->surfaces[a->surface].mu) surface = b->surface;
     if (!surface) surface = MATERIALS * a->material + b->material;
+    if (either & OO_IS_RAY) surface = OO_NO_RESPONSE;
     unsigned int kept = first;
     for (unsigned int i = first; i < first + (unsigned int)found; i++) {
         if (!usable(&w->contacts[i].geom)) continue; /* ODE gives NaN for a sphere centred on a cylinder, among others */
@@ -80,7 +81,7 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
         kept++;
     }
     w->contact_count = kept;
-    if (kept > first && (a->flags | b->flags) & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
+    if (kept > first && either & OO_LISTENED) note_touch(w, slot1, slot2, first, kept - first);
 }
 
 /* A slot that was retired before the last step is named by no contact, touch or event any longer. */
@@ -115,13 +116,16 @@ static int respond(oo_world *w) {
     if (reserve(&w->feedback, &w->feedback_capacity, listened, sizeof *w->feedback)) return OO_NO_MEMORY;
     w->feedback_count = 0;
     for (unsigned int i = 0; i < w->touching_count; i++)
-        for (unsigned int k = 0; k < w->touching[i].count; k++)
-            w->contacts[w->touching[i].first + k].feedback = (int)w->feedback_count++;
+        for (unsigned int k = 0; k < w->touching[i].count; k++) {
+            oo_contact *row = &w->contacts[w->touching[i].first + k];
+            if (row->surface != OO_NO_RESPONSE) row->feedback = (int)w->feedback_count++;
+        }
     if (guard_enter()) return OO_ASSERT;
     dContact contact;
     memset(&contact, 0, sizeof contact);
     for (unsigned int i = 0; i < w->contact_count; i++) {
         oo_contact *row = &w->contacts[i];
+        if (row->surface == OO_NO_RESPONSE) continue;
         contact.surface = w->surfaces[row->surface];
         contact.geom = row->geom;
         dJointID joint = dJointCreateContact(w->id, w->contact_group, &contact);
@@ -212,6 +216,7 @@ static int compare_touches(oo_world *w) {
         oo_touch *touch = &w->touching[i];
         for (unsigned int k = touch->first; k < touch->first + touch->count; k++) {
             oo_contact *row = &w->contacts[k];
+            if (row->feedback < 0) continue;
             const dReal *force = w->feedback[row->feedback].f1;
             /* f1 is what acts on the first body that there is: on that of geom 2 where geom 1 is static */
             double sign = dGeomGetBody(row->geom.g1) ? 1.0 : -1.0;

@@ -140,12 +140,20 @@ class Geom(PhysicsNode):
     def _start(self) -> None:
         self._id: Any = None
         self._slot = -1
-        self._mesh: Any = ffi.NULL
+        self._shared: Any = ffi.NULL
         self._placed = Pose()
         self._own_drawables: tuple[Drawable, ...] | None = None
         self._touch_listeners: list[Callable[[Touch], object]] = []
 
     # -- what a kind of geom provides
+
+    def _shape(self) -> int:
+        """Which shape of the C core it is to be made as."""
+        return self.SHAPE
+
+    def _native_pose(self) -> Pose:
+        """Where ODE's geom stands in the body, or in the world for static geometry."""
+        return self._placement
 
     @abstractmethod
     def _dimensions(self) -> tuple[float, ...]:
@@ -300,7 +308,7 @@ class Geom(PhysicsNode):
     # -- entering and leaving
 
     def _enter(self, realm: Realm) -> None:
-        slot = self._made(lib.oo_geom_new(realm.ptr, self.SHAPE, self._dimensions(), self._mesh))
+        slot = self._made(lib.oo_geom_new(realm.ptr, self._shape(), self._dimensions(), self._shared))
         self._slot = slot
         self._id = realm.ptr.geoms[slot].id
         realm.add_slot(slot, self)
@@ -348,7 +356,8 @@ class Geom(PhysicsNode):
     def _place(self) -> None:
         if self._realm is None:
             return
-        self._placed = pose = self._placement
+        self._placed = self._placement
+        pose = self._native_pose()
         body = self.body
         if body is None:
             lib.oo_wake_touching(self._realm.ptr, self._slot)

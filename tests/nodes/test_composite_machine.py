@@ -82,7 +82,7 @@ class Composite(RuleBasedStateMachine):
             "anchor": anchor,
             "axis": (0, 1, 1),
             "anchor1": anchor,
-            "anchor2": anchor + (0.3, 0.4, 0),
+            "anchor2": anchor + oo.Vec3(0.3, 0.4, 0.0),
             "axes": [(1, 0, 0), (0, 0, 1)],
             "mode": "euler",
         }
