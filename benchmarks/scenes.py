@@ -45,7 +45,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Link:
-    """A ball joint, or the driven hinge-2 of a wheel (``other``), of bodies by number; ``other`` -1: the static world."""
+    """A ball joint, or the driven hinge-2 of a wheel (``other``), of bodies by number; -1: the static world."""
 
     kind: str
     body: int
@@ -115,7 +115,8 @@ class Scene:
             if link.kind == "ball":
                 oo.Ball(bodies[link.body], other, anchor=link.anchor)
             else:
-                axle = oo.Hinge2(bodies[link.body], bodies[link.other], anchor=link.anchor, axis2=link.axis, stops1=(0, 0))
+                axle = oo.Hinge2(bodies[link.body], bodies[link.other], anchor=link.anchor, axis2=link.axis)
+                axle.stops1 = (0, 0)
                 axle.suspension_stiffness, axle.suspension_damping = STIFFNESS, DAMPING
                 axle.motor(link.velocity, link.max_force, axis=2)
         return world

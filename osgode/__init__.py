@@ -48,11 +48,16 @@ from osgode.native import live_natives
 from osgode.nodes.base import PhysicsNode
 from osgode.nodes.body import Body
 from osgode.nodes.centreofmass import CentreOfMass
+from osgode.nodes.colliders import colliders
+from osgode.nodes.convex import ConvexHull
 from osgode.nodes.geom import Geom
+from osgode.nodes.heightdata import HeightData
+from osgode.nodes.heightfield import Heightfield
 from osgode.nodes.meshdata import MeshData
 from osgode.nodes.placeable import Placeable
 from osgode.nodes.plane import Plane
 from osgode.nodes.primitives import Box, Capsule, Cylinder, Sphere
+from osgode.nodes.ray import Hit, Ray
 from osgode.nodes.spaces import HashSpace, QuadTreeSpace, SimpleSpace, Space, SweepAndPruneSpace
 from osgode.nodes.touch import Touch
 from osgode.nodes.trimesh import Trimesh
@@ -72,6 +77,7 @@ __all__ = [
     "Box",
     "Capsule",
     "CentreOfMass",
+    "ConvexHull",
     "CullVisitor",
     "Cylinder",
     "DoubleBall",
@@ -84,8 +90,11 @@ __all__ = [
     "Geom",
     "Group",
     "HashSpace",
+    "HeightData",
+    "Heightfield",
     "Hinge",
     "Hinge2",
+    "Hit",
     "Joint",
     "Leaf",
     "LetGo",
@@ -111,6 +120,7 @@ __all__ = [
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
+    "Ray",
     "Reaction",
     "Rectangle",
     "Servo",
@@ -142,6 +152,7 @@ __all__ = [
     "box_drawable",
     "capsule_drawable",
     "centre_of_mass_drawable",
+    "colliders",
     "cylinder_drawable",
     "define_kind",
     "define_material",

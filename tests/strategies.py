@@ -23,6 +23,9 @@ CUBE = (
 """A closed cube of edge 1 about the origin, counter-clockwise seen from outside."""
 
 
+HEIGHTS = oo.HeightData([[0, 1, 0], [0.5, 0, 1]])
+
+
 def floats(low: float, high: float) -> st.SearchStrategy[float]:
     """Numbers from ``low`` to ``high``; next to 0 they are 0, since rounding is compared with 1e-9."""
     drawn = st.floats(low, high, allow_nan=False, allow_infinity=False, allow_subnormal=False)
@@ -56,13 +59,15 @@ def sizes(low: float = 0.1, high: float = 2.0) -> st.SearchStrategy[float]:
 def geoms(draw: st.DrawFn) -> oo.Geom:
     """A solid with mass, of any shape that a body may have."""
     weight = draw(st.sampled_from([{}, {"density": 50.0}, {"mass": 0.5}, {"mass": 3.0}, {"material": "wood"}]))
-    shape = draw(st.sampled_from(["box", "sphere", "capsule", "cylinder", "mesh"]))
+    shape = draw(st.sampled_from(["box", "sphere", "capsule", "cylinder", "mesh", "hull", "solid hull"]))
     if shape == "box":
         return oo.Box((draw(sizes()), draw(sizes()), draw(sizes())), **weight)
     if shape == "sphere":
         return oo.Sphere(draw(sizes()), **weight)
     if shape == "mesh":
         return oo.Trimesh(CUBE, **weight)
+    if "hull" in shape:
+        return oo.ConvexHull(CUBE, solid=shape == "solid hull", **weight)
     return {"capsule": oo.Capsule, "cylinder": oo.Cylinder}[shape](draw(sizes()), draw(sizes()), **weight)
 
 
@@ -85,6 +90,8 @@ class Stand:
             self.space.attach(self.other)
         elif isinstance(self.node, oo.CentreOfMass):
             self.home.parent.attach(self.node)
+        elif isinstance(self.node, oo.Heightfield):  # static: it has no volume
+            self.space.attach(oo.Placeable()).attach(self.node)
         elif isinstance(self.node, oo.Geom) and not isinstance(self.node, oo.Plane):
             self.home.attach(self.node)
         else:
@@ -115,6 +122,9 @@ MAKERS: dict[type, Callable[[Stand], Any]] = {
     oo.Cylinder: lambda _: oo.Cylinder(name="it"),
     oo.Plane: lambda _: oo.Plane(name="it"),
     oo.Trimesh: lambda _: oo.Trimesh(oo.MeshData(*CUBE), name="it"),
+    oo.ConvexHull: lambda _: oo.ConvexHull(oo.MeshData(*CUBE), name="it"),
+    oo.Heightfield: lambda _: oo.Heightfield([[0, 1, 0], [0.5, 0, 1]], name="it"),
+    oo.Ray: lambda _: oo.Ray(name="it"),
     oo.Ball: lambda stand: oo.Ball(oo.Body(), stand.other, name="it"),
     oo.Hinge: lambda stand: oo.Hinge(oo.Body(), stand.other, name="it"),
     oo.Slider: lambda stand: oo.Slider(oo.Body(), stand.other, name="it"),
@@ -141,7 +151,8 @@ class Case:
         return f"{self.cls.__name__}.{self.name}"
 
 
-CASES = [Case(cls, name) for cls in MAKERS for name in cls.FIELDS]
+CASES = [Case(cls, name) for cls in MAKERS for name in cls.FIELDS if (cls, name) != (oo.Ray, "density")]
+"""The density of a ray can be None only."""
 
 _HALF_TURN = oo.Quat.from_axis_angle((1, 2, 3), 2.0)
 
@@ -173,12 +184,17 @@ _POOL: list[Any] = [
     oo.Appearance((0.25, 0.5, 0.75, 1.0)),
     (oo.Drawable(oo.Mesh(np.array(CUBE[0], np.float32), np.array(CUBE[1], np.uint32))),),
     oo.MeshData([(x * 2, y, z) for x, y, z in CUBE[0]], CUBE[1]),
+    oo.HeightData([[0, 0.25, 0.5], [0, 0.25, 0.5]]),
+    (4.0, 6.5),
+    "all",
 ]
 
 
 def accepted(case: Case) -> list[Any]:
     """What the field takes of a pool of very different things, as it is kept; no default among them."""
     found = []
+    if case.cls is oo.Ray and case.name == "mass":
+        return [0.0]
     for value in _POOL:
         try:
             kept = case.field.check.convert(value)
@@ -273,21 +289,37 @@ OUTSIDE: dict[str, list[Any]] = {
     "fudge_factor": [-0.1, 1.1],
     "motor_velocity": [INF, -INF, 1e10],
     "motor_max_force": [-1.0, -INF],
+    "reports": ["nearest", "", 1],
+    "thickness": [-1e-9, 1e7, INF],
     # flags
     "auto_disable": [0, 1, "yes", 0.5],
     "enabled": [0, 1, "yes", 0.5],
     "kinematic": [0, 1, "yes"],
     "auto_recentre": [0, 1, "yes"],
+    "solid": [0, 1, "yes"],
+    "backface_cull": [0, 1, "yes"],
     "gyroscopic": [0, 1, "yes"],
 }
 """What a field of this name refuses beside that: the ranges that ODE computes safely in."""
 
-FLAG_GRAVITY: list[Any] = [0, 1, "yes", (0, 1, 0)]
+OF_CLASS: dict[tuple[type, str], list[Any]] = {
+    (oo.Body, "gravity"): [0, 1, "yes", (0, 1, 0)],
+    (oo.Heightfield, "size"): [(0, 1), (1, -1), (1, 1e8), (1, INF), (1,), (1, 1, 1), 3.0],
+    (oo.Heightfield, "data"): [oo.MeshData(*CUBE), [[0, 1], [1, 0]]],
+    (oo.ConvexHull, "data"): [
+        CUBE,
+        oo.MeshData(CUBE[0], CUBE[1][1:]),
+        oo.MeshData(CUBE[0], [t[::-1] for t in CUBE[1]]),
+    ],
+    (oo.Ray, "length"): [0.0, -0.5, 1e-320, 1.1e6, INF],
+    (oo.Ray, "mass"): [1.0, -1.0],
+}
+"""The same where a class takes other values than the others do under that name."""
 
 
 def refused(case: Case) -> list[Any]:
     """What the field must not take."""
-    own = FLAG_GRAVITY if case.name == "gravity" and case.cls is oo.Body else OUTSIDE[case.name]
+    own = OF_CLASS.get((case.cls, case.name)) or OUTSIDE[case.name]
     optional = case.field.default is None or case.name == "data"
     return [*WRONG_KIND, *own, *([] if optional else [None])]
 

@@ -68,8 +68,9 @@ OTHERS = [
 ]
 SPACES = [oo.SimpleSpace, oo.HashSpace, oo.QuadTreeSpace, oo.SweepAndPruneSpace]
 SOLIDS = [oo.Box, oo.Sphere, oo.Capsule, oo.Cylinder]
+FROM_DATA = {oo.Trimesh: CUBE, oo.ConvexHull: CUBE, oo.Heightfield: [[0, 1, 0], [1, 0, 1]]}
 JOINTS = [oo.Ball, oo.Hinge, oo.Slider, oo.Fixed]
-NODES = [*SPACES, *SOLIDS, oo.Body, oo.Placeable, oo.Plane]
+NODES = [*SPACES, *SOLIDS, oo.Body, oo.Placeable, oo.Plane, oo.Ray]
 
 VERBS = [
     *((oo.Body, name, 1, ("at",)) for name in ("add_force", "add_local_force", "apply_impulse")),
@@ -96,7 +97,7 @@ VERBS = [
 
 PROPERTIES = [
     (cls, name)
-    for cls in (oo.World, oo.Body, oo.Placeable, oo.Plane, oo.Trimesh, oo.HashSpace, *SOLIDS, *JOINTS)
+    for cls in (oo.World, oo.Body, oo.Placeable, oo.Plane, oo.Ray, oo.HashSpace, *FROM_DATA, *SOLIDS, *JOINTS)
     for name in dir(cls)
     if isinstance(getattr(cls, name), property) and not name.startswith("_")
 ]
@@ -132,7 +133,9 @@ class Fuzz:
         bodies = []
         for i, space in enumerate((*spaces, inner, world)):
             body = space.attach(oo.Body(position=(0.8 * i, 0, 0)))
-            parts = [oo.Box(), oo.Sphere(), oo.Capsule(), oo.Cylinder(), oo.Trimesh(CUBE)]
+            parts = [oo.Box(), oo.Sphere(), oo.Capsule(), oo.Cylinder(), oo.Trimesh(CUBE), oo.Ray()]
+            parts += [oo.ConvexHull(CUBE, solid=solid) for solid in (False, True)]
+            parts.append(oo.Heightfield([[0, 1, 0], [1, 0, 1]], (2, 3), mass=0))
             for k, part in enumerate(self.random.sample(parts, 2)):
                 place = body.attach(oo.Placeable(position=(0.2 * k, 0, 0)))
                 self.nodes += [place, place.attach(part)]
@@ -201,10 +204,10 @@ class Fuzz:
         self.call(f"{self.label(node)}.{name}", getattr, node, name)
 
     def construct(self):
-        cls = self.random.choice([*NODES, oo.World, oo.Trimesh])
+        cls = self.random.choice([*NODES, oo.World, *FROM_DATA])
         names = self.random.sample(list(cls.FIELDS), min(len(cls.FIELDS), self.random.choice((0, 1, 1, 2, 3))))
         kwargs = {name: self.field_value(cls, name) for name in names if name != "data"}
-        args = (self.random.choice((CUBE, self.value())),) if cls is oo.Trimesh else ()
+        args = (self.random.choice((FROM_DATA[cls], self.value())),) if cls in FROM_DATA else ()
         node = self.call(cls.__name__, cls, *args, **kwargs)
         if isinstance(node, oo.World):
             node.attach(oo.Body())
@@ -290,6 +293,12 @@ class Fuzz:
                 (oo.MeshData, [CUBE[0], self.value()], {}),
                 (oo.MeshData, [[[self.value()] * 3] * 3, [[0, 1, 2]]], {}),
                 (oo.MeshData, [CUBE[0], [[self.value(), 1, 2]]], {}),
+                (oo.HeightData, [self.value()], {}),
+                (oo.HeightData, [[[self.value(), 1], [2, self.value()]]], {}),
+                (oo.ConvexHull, [[[self.value()] * 3, [1, 0, 0], [0, 1, 0], [0, 0, 1]]], {}),
+                (oo.colliders, [CUBE, self.value()], {}),
+                (oo.colliders, [self.value(), self.random.choice(("hull", "mesh"))], which),
+                (oo.colliders, [CUBE, "hull"], {**which, "most_hulls": self.value()}),
                 (oo.Surface, [self.value()], {}),
                 (oo.Surface, [], {self.random.choice(list(oo.Surface.__dataclass_fields__)): self.value()}),
                 (oo.SurfaceTable, [{}, self.value()], {}),
@@ -464,7 +473,9 @@ def chaos(seed, steps):  # noqa: C901, PLR0912, PLR0915 - one rig and many small
             return
         body = oo.Body(position=(dice.uniform(-2, 2), dice.uniform(1, 3), dice.uniform(-2, 2)))
         for _ in range(dice.choice((1, 1, 2))):
-            shape = dice.choice((oo.Box((0.5, 0.5, 0.5)), oo.Sphere(0.3), oo.Capsule(0.2, 0.4), oo.Trimesh(CUBE)))
+            shapes = [oo.Box((0.5, 0.5, 0.5)), oo.Sphere(0.3), oo.Capsule(0.2, 0.4), oo.Trimesh(CUBE), oo.Ray(2)]
+            shapes += [oo.ConvexHull(CUBE, solid=solid) for solid in (False, True)]
+            shape = dice.choice(shapes)
             body.attach(oo.Placeable(position=(dice.uniform(-0.3, 0.3), 0, 0))).attach(shape)
         dice.choice((body, body.geoms[0])).on_touch(listener)
         dice.choice(homes).attach(body)

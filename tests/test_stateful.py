@@ -134,6 +134,11 @@ def spaces_of(nodes):
     return [node for node in nodes if isinstance(node, oo.Space)]
 
 
+def shape_of(geom):
+    """What it is made as: one data may serve as a mesh and as a solid hull."""
+    return type(geom), getattr(geom, "solid", False)
+
+
 def is_open(geom):
     return isinstance(geom, oo.Trimesh) and geom.data is OPEN_DATA
 
@@ -625,7 +630,7 @@ class Walk(RuleBasedStateMachine):
     @invariant()
     def natives_are_counted(self):
         live = [node for node in self.nodes if node.is_live]
-        meshes = {(id(node.world), id(node.data)) for node in live if isinstance(node, oo.Trimesh)}
+        meshes = {(id(node.world), id(node.data), shape_of(node)) for node in live if hasattr(node, "data")}
         expected = [
             len(self.worlds),
             sum(isinstance(node, oo.Body) for node in live),

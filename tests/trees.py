@@ -48,6 +48,8 @@ class Rig:
             oo.Sphere(0.4, density=300.0, surface=oo.Surface(0.9), name=f"sphere {i}"),
             oo.Capsule(0.2, 0.6, mass=1.0, collides_with="default", name=f"capsule {i}"),
             oo.Trimesh(CUBE, mass=3.0, name=f"mesh {i}"),
+            oo.ConvexHull(CUBE, mass=0.5, solid=bool(i % 2), name=f"hull {i}"),
+            oo.Ray(2.0, reports="all", name=f"ray {i}"),
         ]
         for k, geom in enumerate(geoms):
             place = body.attach(oo.Placeable(name=f"place {i}{k}", position=(0.4 * k, 0.2 * i, 0.3)))

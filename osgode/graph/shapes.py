@@ -148,10 +148,10 @@ def plane_drawable(
 def heightfield_drawable(
     heights: FloatArray, width: float, depth: float, appearance: Appearance = DEFAULT_APPEARANCE
 ) -> Drawable:
-    """A terrain over the XZ plane, centred on the origin, with the triangles that ODE's heightfield collides with.
+    """A terrain over the XZ plane, centred on the origin, with the triangles that a heightfield collides with.
 
     Args:
-        heights: (rows along +Z, columns along +X), metres, at least 2 of each; as in ODE's sample arrays.
+        heights: (rows along +Z, columns along +X), metres, at least 2 of each.
         width: along X, metres.
         depth: along Z, metres.
         appearance: how it looks; the texture is stretched once over the whole, or repeats by ``texture_scale``.
@@ -169,7 +169,7 @@ def heightfield_drawable(
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     a = (i * columns + j).ravel()
     b, c = a + 1, a + columns
-    # The diagonal from the next sample along X to the next along Z is the one in ODE's heightfield.cpp.
+    # Cells are divided from the next sample along X to the next along Z, as in ODE and in our C core.
     triangles = np.vstack([np.column_stack([a, c, b]), np.column_stack([b, c, c + 1])])
     repeats = (1.0, 1.0) if appearance.texture_scale is None else np.divide((w, d), appearance.texture_scale)
     uvs = np.stack([across, 1 - along], axis=-1).reshape(-1, 2) * repeats

@@ -323,7 +323,9 @@ static int make_room(oo_world *w) {
     return reserve(&b->queue, &b->queue_capacity, w->body_count, sizeof *b->queue);
 }
 
+/* A ray looks at all there is, wherever it stands. */
 static int awake_geom(const oo_geom *geom) {
+    if (geom->flags & OO_IS_RAY) return 1;
     dBodyID body = dGeomGetBody(geom->id);
     return body && dBodyIsEnabled(body);
 }
@@ -376,7 +378,7 @@ static int refresh(oo_world *w) {
 static void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     const struct oo_broad *b = w->broad;
     unsigned int first = slot1 < slot2 ? slot1 : slot2, second = slot1 < slot2 ? slot2 : slot1;
-    if (declared(&b->entries[first].members, &b->entries[second].members)) collide_pair(w, first, second);
+    if (declared(&b->entries[first].members, &b->entries[second].members)) meet_pair(w, first, second);
 }
 
 /* The axis along which the moving ones are spread most: along another most of them would overlap. */
@@ -632,6 +634,7 @@ void near_way(oo_world *w, const double low[3], const double high[3], void (*vis
     VISIT(b->root, meets_box, &wanted)
     for (unsigned int i = 0; i < b->moving_count; i++) { /* they stand where they went to */
         unsigned int slot = b->moving[i];
+        if (w->geoms[slot].flags & OO_IS_RAY) continue;
         const dReal *v = dBodyGetLinearVel(dGeomGetBody(w->geoms[slot].id));
         box way = b->entries[slot].box;
         for (int k = 0; k < 3; k++) {

@@ -9,7 +9,10 @@ enum oo_status {
     OO_BROKEN = -4      /* an ODE assert inside a collide left this World unusable */
 };
 
-enum oo_geom_kind { OO_BOX, OO_SPHERE, OO_CAPSULE, OO_CYLINDER, OO_PLANE, OO_TRIMESH };
+enum oo_geom_kind {
+    OO_BOX, OO_SPHERE, OO_CAPSULE, OO_CYLINDER, OO_PLANE, OO_TRIMESH,
+    OO_RAY, OO_HULL, /* a hull as a mesh */ OO_CONVEX, OO_HEIGHTFIELD
+};
 enum oo_space_kind { OO_SIMPLE_SPACE, OO_HASH_SPACE, OO_QUADTREE_SPACE, OO_SAP_SPACE };
 enum oo_joint_kind {
     OO_BALL, OO_HINGE, OO_SLIDER, OO_FIXED, OO_UNIVERSAL, OO_HINGE2, OO_AMOTOR, OO_LMOTOR, OO_PR, OO_PU, OO_PISTON,
@@ -29,12 +32,15 @@ enum oo_geom_flags {
     OO_IS_SPACE = 4,
     OO_IS_MESH = 8,     /* collided under a process-wide lock: OPCODE's caches are global */
     OO_IS_CYLINDER = 16,
-    OO_ASKED = 32,      /* somebody in Python wants to be asked before its contacts act */
-    OO_SENSOR = 64,     /* it is touched and never responds */
-    OO_IS_BELT = 128
+    OO_IS_RAY = 32,     /* reports, and never responds */
+    OO_IS_HEIGHTFIELD = 64,
+    OO_ASKED = 128,     /* somebody in Python wants to be asked before its contacts act */
+    OO_SENSOR = 256,    /* it is touched and never responds */
+    OO_IS_BELT = 512
 };
 
-enum { OO_REFUSED = 0x7fffffff }; /* as the surface of a contact row: it doesn't act */
+/* As the surface of a contact row: it only reports; it was refused, and does not even that. */
+enum oo_surface_index { OO_NO_RESPONSE = 0x7fffffff, OO_REFUSED = 0x7ffffffe };
 
 enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END };
 
@@ -54,7 +60,7 @@ typedef struct oo_mesh oo_mesh;
 
 typedef struct oo_geom {
     dGeomID id;
-    oo_mesh *mesh;                  /* of a triangle mesh */
+    oo_mesh *mesh;                  /* what it is made from, or NULL */
     unsigned int category, collide;
     unsigned int material;          /* 0 to 15 */
     unsigned int surface;           /* own surface, an index above the pair table; 0: none */
@@ -65,7 +71,7 @@ typedef struct oo_geom {
 typedef struct oo_contact {
     dContactGeom geom;              /* first, so that dCollide writes rows in place */
     unsigned int slot1, slot2;      /* into world.geoms */
-    unsigned int surface;           /* into world.surfaces */
+    unsigned int surface;           /* into world.surfaces, or OO_NO_RESPONSE */
     int feedback;                   /* into world.feedback, or -1 */
     double force[3];                /* on the body of geom 1, newtons; 0 if nobody listens */
 } oo_contact;
@@ -231,15 +237,22 @@ int oo_space_new(oo_world *, int kind, const double *arguments);
 void oo_geom_free(oo_world *, unsigned int slot);
 /* One that was in no space since it was made, so that nothing can name its slot: it may be given out again at once. */
 void oo_geom_discard(oo_world *, unsigned int slot);
+/* Another width, depth and thickness for a heightfield. */
+int oo_heightfield_resize(dGeomID, const double *dimensions);
 /* A geom or space from one space to another; either may be NULL. */
 void oo_rehouse(dSpaceID from, dSpaceID to, dGeomID);
 /* Wake the bodies that touched a geom in the last step: it is about to go, or has been put elsewhere. */
 void oo_wake_touching(oo_world *, unsigned int slot);
 void oo_geom_set_bits(oo_world *, unsigned int slot, unsigned int category, unsigned int collide, unsigned int material);
 
-/* NULL if ODE refused. Vertices and triangles are copied. */
+/* What geoms are made from and share. NULL if ODE refused. All is copied. */
 oo_mesh *oo_mesh_new(oo_world *, const double *vertices, unsigned int vertex_count, const unsigned int *triangles,
                      unsigned int triangle_count);
+/* Closed and convex, counter-clockwise from outside; solid: for OO_CONVEX, with the origin strictly inside; else OO_HULL. */
+oo_mesh *oo_hull_new(oo_world *, const double *vertices, unsigned int vertex_count, const unsigned int *triangles,
+                     unsigned int triangle_count, int solid);
+/* Rows along z, columns along x, at least 2 of each. */
+oo_mesh *oo_heights_new(oo_world *, const double *heights, unsigned int rows, unsigned int columns);
 void oo_mesh_free(oo_world *, oo_mesh *);
 
 /* NULL if ODE refused. It must be placed before it is used. */

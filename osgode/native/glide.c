@@ -52,7 +52,7 @@ static void multiply(double out[4], const double a[4], const double b[4]) {
 }
 
 /* out = v turned by q: v + 2 u x (u x v + w v) */
-static void turn(double out[3], const double q[4], const double v[3]) {
+static void rotate_by(double out[3], const double q[4], const double v[3]) {
     const double *u = q + 1;
     double t[3] = {u[1] * v[2] - u[2] * v[1] + q[0] * v[0], u[2] * v[0] - u[0] * v[2] + q[0] * v[1],
                    u[0] * v[1] - u[1] * v[0] + q[0] * v[2]};
@@ -91,7 +91,7 @@ void begin_glides(oo_world *w) {
         for (int k = 0; k < 3; k++) glide->next[k] = now[k] + (glide->target[k] - now[k]) / left;
         turn_part(glide->next + 3, glide->velocity + 3, now + 3, glide->target + 3, left, h);
         if (glide->arrives) memcpy(glide->next, glide->target, sizeof glide->next);
-        turn(arm, glide->next + 3, body->com);
+        rotate_by(arm, glide->next + 3, body->com);
         for (int k = 0; k < 3; k++) glide->velocity[k] = (glide->next[k] + arm[k] - centre[k]) / h;
         set_velocity(body->id, glide->velocity);
         dBodyEnable(body->id);

@@ -43,10 +43,75 @@ HIDDEN int reserve(void *array, unsigned int *capacity, size_t wanted, size_t el
 HIDDEN void random_begin(const oo_world *);
 HIDDEN void random_end(oo_world *);
 
+struct oo_triangles;
+/* What geoms are made from. */
+struct oo_mesh {
+    dTriMeshDataID id;                /* of a mesh, and of a hull as a mesh */
+    double *vertices;                 /* x y z; of a heightfield the heights alone, x running fastest */
+    unsigned int vertex_count;
+    unsigned int triangle_count;      /* of a mesh, and of a hull as a mesh */
+    struct oo_triangles *tree;        /* of them, made when it is first wanted */
+    unsigned int *triangles;          /* of a solid hull with a 3 before each, as ODE's polygons */
+    double *planes;                   /* of a hull, one per triangle: outward normal n and n . p */
+    unsigned int plane_count;
+    unsigned int rows, columns;       /* of a heightfield */
+    double lowest, highest;
+    oo_mesh *next;
+};
+
+/* The pose of a geom. */
+typedef struct frame {
+    const dReal *p, *r;
+} frame;
+
+/* The geom class of heightfields: made once, at import. */
+HIDDEN void init_heightfields(void);
+/* NULL if there is no memory. */
+HIDDEN dGeomID heightfield_new(const oo_mesh *, const double *dimensions);
+/* How a mesh or hull meets a heightfield: contact rows as of dCollide. */
+HIDDEN int collide_mesh_with_heightfield(const oo_geom *mesh, const oo_geom *field, int most, dContactGeom *rows, int skip);
+/* A closed convex thing, in its own axes. */
+typedef struct polytope {
+    frame at;
+    const double *vertices, *planes;
+    unsigned int vertex_count, plane_count;
+    double box_vertices[24], box_planes[24];
+} polytope;
+/* A mesh or hull has its data, a box NULL. A mesh that is no hull has no planes. */
+HIDDEN void polytope_of(dGeomID, const oo_mesh *, polytope *);
+
+/* How two hulls, or a hull and a box, meet. */
+HIDDEN int collide_polytopes(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
+
+/* What dCollide does, and what it should do: ODE's rays miss solid hulls, its hulls jitter, and its meshes
+   sink into heightfields. */
+HIDDEN int collide_pair(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
+
+static inline dContactGeom *row_at(dContactGeom *rows, int index, int skip) {
+    return (dContactGeom *)((char *)rows + (size_t)index * (size_t)skip);
+}
+
+static inline frame frame_of(dGeomID id) { return (frame){dGeomGetPosition(id), dGeomGetRotation(id)}; }
+static inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+/* out = R v */
+static inline void turn(const frame *f, const double *v, double *out) {
+    for (int k = 0; k < 3; k++) out[k] = f->r[4 * k] * v[0] + f->r[4 * k + 1] * v[1] + f->r[4 * k + 2] * v[2];
+}
+/* out = R^T v */
+static inline void turn_back(const frame *f, const double *v, double *out) {
+    for (int k = 0; k < 3; k++) out[k] = f->r[k] * v[0] + f->r[4 + k] * v[1] + f->r[8 + k] * v[2];
+}
+static inline void to_world(const frame *f, const double *point, double *out) {
+    turn(f, point, out);
+    for (int k = 0; k < 3; k++) out[k] += f->p[k];
+}
+static inline void to_local(const frame *f, const double *point, double *out) {
+    double arm[3] = {point[0] - f->p[0], point[1] - f->p[1], point[2] - f->p[2]};
+    turn_back(f, arm, out);
+}
+
 /* A threading implementation of the World's own: ODE's default one is shared by all worlds and races. */
 HIDDEN int use_own_threading(oo_world *);
-
-static inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static inline void cross(double *out, const double *a, const double *b) {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -70,7 +135,7 @@ HIDDEN void drive_servos(oo_world *);
 HIDDEN void find_broken_joints(oo_world *);
 
 /* Contacts of two geoms into the rows, if their categories want it. */
-HIDDEN void collide_pair(oo_world *, unsigned int slot1, unsigned int slot2);
+HIDDEN void meet_pair(oo_world *, unsigned int slot1, unsigned int slot2);
 HIDDEN int geoms_touch(oo_world *, unsigned int slot1, unsigned int slot2);
 
 enum { MOST_DECLARED = 64 }; /* pairs of spaces that osgode's own broad phase can tell apart */
@@ -94,14 +159,6 @@ HIDDEN int usable(const dContactGeom *);
 /* Whether a contact is to make a joint. */
 HIDDEN int row_acts(const oo_world *, const oo_contact *);
 
-struct oo_triangles;
-struct oo_mesh {
-    dTriMeshDataID id;
-    double *vertices;
-    unsigned int *triangles, triangle_count;
-    struct oo_triangles *tree;
-    oo_mesh *next;
-};
 /* The triangles whose boxes meet a box, in the axes of the mesh. */
 HIDDEN int triangles_in(oo_mesh *, const double low[3], const double high[3], void (*visit)(void *, const double *corners[3]), void *data);
 HIDDEN void triangles_free(oo_mesh *);

@@ -64,14 +64,14 @@ void oo_joint_free(oo_world *w, oo_joint *joint) {
 /* ------------------------------------------------------------------ where it is */
 
 /* A direction of the world in the axes of body 1 or 2; in those of the world for 0, or where there is no body 2. */
-static void to_local(const oo_joint *joint, int of, const double *world, double *local) {
+static void axis_of_body(const oo_joint *joint, int of, const double *world, double *local) {
     dBodyID body = of ? dJointGetBody(joint->id, of - 1) : NULL;
     dVector3 result = {world[0], world[1], world[2]};
     if (body) dBodyVectorFromWorld(body, world[0], world[1], world[2], result);
     memcpy(local, result, 3 * sizeof *local);
 }
 
-static void to_world(const oo_joint *joint, int of, const double *local, double *world) {
+static void axis_in_world(const oo_joint *joint, int of, const double *local, double *world) {
     dBodyID body = of ? dJointGetBody(joint->id, of - 1) : NULL;
     dVector3 result = {local[0], local[1], local[2]};
     if (body) dBodyVectorToWorld(body, local[0], local[1], local[2], result);
@@ -88,7 +88,7 @@ static void place_motor(oo_joint *joint, const double *s, const int *how) {
     for (int i = 0; i < joint->axis_count; i++) {
         int of = how[2 + i];
         joint->axis_of[i] = of;
-        to_local(joint, of, s + 3 * i, joint->axes[i]);
+        axis_of_body(joint, of, s + 3 * i, joint->axes[i]);
     }
     if (joint->kind == OO_LMOTOR) {
         dJointSetLMotorNumAxes(id, joint->axis_count);
@@ -100,8 +100,8 @@ static void place_motor(oo_joint *joint, const double *s, const int *how) {
     for (int i = 0; i < joint->axis_count; i++)
         if (!euler || i != 1) dJointSetAMotorAxis(id, i, joint->axis_of[i], XYZ(s + 3 * i));
     if (euler) { /* the third axis as body 1 has it, and the first as body 2 has it, at the angles 0 */
-        to_local(joint, 1, s + 6, joint->references[0]);
-        to_local(joint, 2, s, joint->references[1]);
+        axis_of_body(joint, 1, s + 6, joint->references[0]);
+        axis_of_body(joint, 2, s, joint->references[1]);
     }
 }
 
@@ -296,10 +296,10 @@ static void split(const double *spin, const double *axis1, const double *axis2, 
 
 static void read_euler(const oo_joint *joint, const double *w, double *angle, double *rate) {
     double a0[3], a1[3], a2[3], ref1[3], ref2[3], q[3];
-    to_world(joint, 1, joint->axes[0], a0);
-    to_world(joint, 2, joint->axes[2], a2);
-    to_world(joint, 1, joint->references[0], ref1);
-    to_world(joint, 2, joint->references[1], ref2);
+    axis_in_world(joint, 1, joint->axes[0], a0);
+    axis_in_world(joint, 2, joint->axes[2], a2);
+    axis_in_world(joint, 1, joint->references[0], ref1);
+    axis_in_world(joint, 2, joint->references[1], ref2);
     cross(a1, a2, a0);
     double s = sqrt(dot(a1, a1)); /* the cosine of the angle in the middle */
     if (s < 1e-9) return;         /* gimbal lock: the outer two can't be told apart */
@@ -324,7 +324,7 @@ static void read_motor(const oo_joint *joint, const double *w, double *angle, do
     for (int k = 0; k < 3; k++)
         velocity[k] = dBodyGetLinearVel(dJointGetBody(joint->id, 0))[k] - (body2 ? dBodyGetLinearVel(body2)[k] : 0);
     for (int i = 0; i < joint->axis_count; i++) {
-        to_world(joint, joint->axis_of[i], joint->axes[i], axis);
+        axis_in_world(joint, joint->axis_of[i], joint->axes[i], axis);
         rate[i] = dot(axis, joint->kind == OO_LMOTOR ? velocity : w);
         if (joint->kind == OO_AMOTOR) angle[i] = dJointGetAMotorAngle(joint->id, i);
     }

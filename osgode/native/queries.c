@@ -5,7 +5,7 @@
 typedef struct asked {
     oo_world *world;
     const oo_query *query;
-    dGeomID geom; /* the ray or the shape */
+    const oo_geom *geom; /* the ray or the shape */
     unsigned int own;
     ray *ray;
     oo_hit *nearest; /* or NULL: keep all */
@@ -19,7 +19,7 @@ static int compare_numbers(const void *a, const void *b) {
 static int wanted(const asked *a, unsigned int slot) {
     const oo_query *q = a->query;
     const oo_geom *geom = &a->world->geoms[slot];
-    if (slot == a->own || !(geom->category & q->kinds)) return 0;
+    if (slot == a->own || geom->flags & OO_IS_RAY || !(geom->category & q->kinds)) return 0;
     if (q->excluded_count && bsearch(&slot, q->excluded, q->excluded_count, sizeof slot, compare_numbers)) return 0;
     if (!q->space) return 1;
     for (dSpaceID at = dGeomGetSpace(geom->id); at; at = dGeomGetSpace((dGeomID)at))
@@ -47,7 +47,7 @@ static void keep_hit(oo_world *w, oo_hit hit) {
 static void try_ray(void *data, unsigned int slot) {
     asked *a = data;
     dContactGeom contact;
-    if (!wanted(a, slot) || !dCollide(a->geom, a->world->geoms[slot].id, 1, &contact, sizeof contact)) return;
+    if (!wanted(a, slot) || !collide_pair(a->geom, &a->world->geoms[slot], 1, &contact, sizeof contact)) return;
     if (!usable(&contact)) return;
     oo_hit hit = hit_of(slot, &contact, 1);
     if (!a->nearest) {
@@ -80,6 +80,7 @@ static int cast(oo_world *w, const oo_query *query, const double *rays, unsigned
     int status = begin_queries(w, count);
     if (status == OO_OK) {
         dGeomID geom = dCreateRay(0, 1);
+        oo_geom ray_geom = {.id = geom, .flags = OO_IS_RAY};
         dGeomRaySetClosestHit(geom, 1);
         lock_meshes(1);
         for (unsigned int i = 0; i < count; i++) {
@@ -88,7 +89,7 @@ static int cast(oo_world *w, const oo_query *query, const double *rays, unsigned
             dGeomRaySetLength(geom, row[6]);
             dGeomRaySet(geom, row[0], row[1], row[2], row[3], row[4], row[5]);
             if (out) out[i] = (oo_hit){.slot = -1};
-            asked a = {w, query, geom, ~0u, &r, out ? &out[i] : NULL};
+            asked a = {w, query, &ray_geom, ~0u, &r, out ? &out[i] : NULL};
             along_ray(w, &r, try_ray, &a);
         }
         lock_meshes(0);
@@ -123,7 +124,7 @@ static void try_overlap(void *data, unsigned int slot) {
     if (!wanted(a, slot)) return;
     dContactGeom contacts[64];
     lock_meshes(((w->geoms[slot].flags | w->geoms[a->own].flags) & OO_IS_MESH) != 0);
-    int found = dCollide(a->geom, w->geoms[slot].id, 64, contacts, sizeof *contacts), deepest = -1;
+    int found = collide_pair(a->geom, &w->geoms[slot], 64, contacts, sizeof *contacts), deepest = -1;
     lock_meshes(0);
     for (int i = 0; i < found; i++)
         if (usable(&contacts[i]) && (deepest < 0 || contacts[i].depth > contacts[deepest].depth)) deepest = i;
@@ -141,8 +142,8 @@ int oo_find_overlaps(oo_world *w, const oo_query *query, unsigned int slot) {
     }
     int status = begin_queries(w, 1);
     if (status == OO_OK) {
-        asked a = {w, query, w->geoms[slot].id, slot, NULL, NULL};
-        in_box_of(w, a.geom, try_overlap, &a);
+        asked a = {w, query, &w->geoms[slot], slot, NULL, NULL};
+        in_box_of(w, a.geom->id, try_overlap, &a);
         end_queries(w);
         if (w->out_of_memory) status = OO_NO_MEMORY;
     }

@@ -32,16 +32,16 @@ static void note_touch(oo_world *w, unsigned int slot1, unsigned int slot2, unsi
                         .count = count};
 }
 
-void collide_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
+void meet_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
     if (!(a->category & b->collide) || !(b->category & a->collide)) return;
-    dGeomID g1 = a->id, g2 = b->id;
-    dBodyID body1 = dGeomGetBody(g1), body2 = dGeomGetBody(g2);
-    if (body1 == body2) return;
+    unsigned int either = a->flags | b->flags, both = a->flags & b->flags;
+    if (both & OO_IS_RAY) return;
+    dBodyID body1 = dGeomGetBody(a->id), body2 = dGeomGetBody(b->id);
+    if (body1 == body2 && (body1 || !(either & OO_IS_RAY))) return; /* a ray that stands still sees what stands still */
     if (body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact)) return;
-    if (a->flags & b->flags & OO_IS_CYLINDER && slot2 < slot1) { /* ODE's depth depends on the order of two cylinders */
-        g1 = b->id;
-        g2 = a->id;
+    /* ODE's depth depends on the order of two cylinders; and rays come first */
+    if ((both & OO_IS_CYLINDER && slot2 < slot1) || b->flags & OO_IS_RAY) {
         unsigned int slot = slot1;
         slot1 = slot2;
         slot2 = slot;
@@ -54,13 +54,14 @@ void collide_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
         return;
     }
 
-    lock_meshes(((a->flags | b->flags) & OO_IS_MESH) != 0);
-    int found = dCollide(g1, g2, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
+    lock_meshes((either & OO_IS_MESH) != 0);
+    int found = collide_pair(a, b, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
     lock_meshes(0);
 
     unsigned int surface = a->surface ? a->surface : b->surface;
     if (a->surface && b->surface && w->surfaces[b->surface].mu < w->surfaces[a->surface].mu) surface = b->surface;
     if (!surface) surface = MATERIALS * a->material + b->material;
+    if (either & OO_IS_RAY) surface = OO_NO_RESPONSE;
     unsigned int kept = first;
     for (unsigned int i = first; i < first + (unsigned int)found; i++) {
         if (!usable(&w->contacts[i].geom)) continue; /* ODE gives NaN for a sphere centred on a cylinder, among others */
@@ -74,7 +75,7 @@ void collide_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
         kept++;
     }
     w->contact_count = kept;
-    if (kept > first && (a->flags | b->flags) & (OO_LISTENED | OO_ASKED)) note_touch(w, slot1, slot2, first, kept - first);
+    if (kept > first && either & (OO_LISTENED | OO_ASKED)) note_touch(w, slot1, slot2, first, kept - first);
 }
 
 int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
@@ -83,8 +84,10 @@ int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
         lock_meshes(0);
         return 1;
     }
-    lock_meshes(((w->geoms[slot1].flags | w->geoms[slot2].flags) & OO_IS_MESH) != 0);
-    int found = dCollide(w->geoms[slot1].id, w->geoms[slot2].id, 1, &one, sizeof one);
+    const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
+    int reports = (a->flags | b->flags) & (OO_IS_RAY | OO_SENSOR);
+    lock_meshes(((a->flags | b->flags) & OO_IS_MESH) != 0);
+    int found = reports ? 0 : collide_pair(a, b, 1, &one, sizeof one);
     lock_meshes(0);
     guard_leave();
     return found > 0;
@@ -94,7 +97,7 @@ static void on_near(void *data, dGeomID g1, dGeomID g2) {
     if (dGeomIsSpace(g1) || dGeomIsSpace(g2))
         dSpaceCollide2(g1, g2, data, on_near);
     else
-        collide_pair(data, (unsigned int)(size_t)dGeomGetData(g1), (unsigned int)(size_t)dGeomGetData(g2));
+        meet_pair(data, (unsigned int)(size_t)dGeomGetData(g1), (unsigned int)(size_t)dGeomGetData(g2));
 }
 
 /* A slot that was retired before the last step is named by no contact, touch or event any longer. */
@@ -148,7 +151,8 @@ static void find_asked(oo_world *w) {
 
 int row_acts(const oo_world *w, const oo_contact *row) {
     const oo_geom *a = &w->geoms[row->slot1], *b = &w->geoms[row->slot2];
-    return row->surface != OO_REFUSED && a->flags & b->flags & OO_ALIVE && !((a->flags | b->flags) & OO_SENSOR);
+    int silent = row->surface == OO_REFUSED || row->surface == OO_NO_RESPONSE || (a->flags | b->flags) & OO_SENSOR;
+    return !silent && a->flags & b->flags & OO_ALIVE;
 }
 
 /* A row counts as touching if it acts, or if it would but for a sensor. */

@@ -266,6 +266,9 @@ int oo_init(void) {
         dSetFreeHandler(counted_free);
     }
     if (!dInitODE2(0) || !dAllocateODEDataForThread(dAllocateMaskAll)) return OO_ASSERT;
+    if (guard_enter()) return OO_ASSERT; /* somebody in this process has made as many geom classes as ODE has room for */
+    init_heightfields();
+    guard_leave();
     oo_world *first = oo_world_new();
     if (!first) return OO_ASSERT;
     dGeomDestroy(dCreateSphere(0, 1)); /* leaves one block in ODE's cache of geom positions */

@@ -160,11 +160,19 @@ class Geom(Listening):
     def _start(self) -> None:
         self._id: Any = None
         self._slot = -1
-        self._mesh: Any = ffi.NULL
+        self._shared: Any = ffi.NULL
         self._placed = Pose()
         self._own_drawables: tuple[Drawable, ...] | None = None
 
     # -- what a kind of geom provides
+
+    def _shape(self) -> int:
+        """Which shape of the C core it is to be made as."""
+        return self.SHAPE
+
+    def _native_pose(self) -> Pose:
+        """Where ODE's geom stands in the body, or in the world for static geometry."""
+        return self._placement
 
     @abstractmethod
     def _dimensions(self) -> tuple[float, ...]:
@@ -325,12 +333,13 @@ class Geom(Listening):
     @contextmanager
     def _visiting(self, realm: Realm, position: Vec3, rotation: Quat) -> Iterator[int]:
         """Have a native for one question, in no space and unknown to everybody: its slot."""
-        slot = self._made(lib.oo_geom_new(realm.ptr, self.SHAPE, self._dimensions(), self._mesh))
+        slot = self._made(lib.oo_geom_new(realm.ptr, self._shape(), self._dimensions(), self._shared))
         try:
             native = realm.ptr.geoms[slot].id
             if self.PLACED:
-                lib.dGeomSetPosition(native, *position)
-                lib.dGeomSetQuaternion(native, rotation)
+                pose = Pose(position, rotation) * self._placement.inverse() * self._native_pose()
+                lib.dGeomSetPosition(native, *pose.position)
+                lib.dGeomSetQuaternion(native, pose.rotation)
             yield slot
         finally:
             lib.oo_geom_discard(realm.ptr, slot)
@@ -338,7 +347,7 @@ class Geom(Listening):
     # -- entering and leaving
 
     def _enter(self, realm: Realm) -> None:
-        slot = self._made(lib.oo_geom_new(realm.ptr, self.SHAPE, self._dimensions(), self._mesh))
+        slot = self._made(lib.oo_geom_new(realm.ptr, self._shape(), self._dimensions(), self._shared))
         self._slot = slot
         self._id = realm.ptr.geoms[slot].id
         realm.add_slot(slot, self)
@@ -387,7 +396,8 @@ class Geom(Listening):
     def _place(self) -> None:
         if self._realm is None:
             return
-        self._placed = pose = self._placement
+        self._placed = self._placement
+        pose = self._native_pose()
         body = self.body
         if body is None:
             lib.oo_wake_touching(self._realm.ptr, self._slot)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +11,8 @@ import numpy.typing as npt
 from osgode.errors import ModelError
 from osgode.fields import SIZE_LIMITS
 from osgode.mass import Mass, refuse_complex
-from osgode.maths import FloatArray, IndexArray
+from osgode.maths import FloatArray, IndexArray, Vec3Like
+from osgode.native import ffi
 
 SMALLEST_AREA = 1e-14
 """m2: OPCODE finds no contacts, or NaN, on a triangle without area."""
@@ -68,6 +70,16 @@ class MeshData:
             FieldError: if it is open or turned inside out.
         """
         return Mass.mesh(self.vertices, self.triangles, density=1000.0)
+
+    def arrays(self, *, origin: Vec3Like = (0.0, 0.0, 0.0)) -> tuple[Any, int, Any, int]:
+        """What the C core copies: vertices as seen from ``origin``, their number, triangles, their number."""
+        vertices = np.ascontiguousarray(self.vertices - np.asarray(origin))
+        return (
+            ffi.from_buffer("double[]", vertices),
+            len(vertices),
+            ffi.from_buffer("unsigned int[]", self.triangles),
+            len(self.triangles),
+        )
 
     def __repr__(self) -> str:
         return f"<MeshData {self.name!r}: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"

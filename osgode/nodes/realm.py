@@ -13,12 +13,12 @@ from osgode.maths import FloatArray, Vec3Like
 from osgode.native import ffi, lib
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
 
     from osgode.joints.base import Joint
     from osgode.nodes.base import PhysicsNode
     from osgode.nodes.body import Body
-    from osgode.nodes.meshdata import MeshData
     from osgode.nodes.world import World
 
 POSE_WIDTH = 7
@@ -50,7 +50,8 @@ class Realm:
         self.inherited: dict[str, Any] = {}
         self.pairs_changed = False
         self._lock = threading.RLock()
-        self._meshes: dict[int, tuple[Any, MeshData, int]] = {}
+        self._shared: dict[tuple[int, int], tuple[Any, object, int]] = {}
+        self.ray_hits: dict[int, Any] | None = None
         self._own_surfaces: list[int] = []
         self._lent: list[int] = []
         self.poses: FloatArray = np.zeros((0, POSE_WIDTH))
@@ -175,30 +176,26 @@ class Realm:
         if not self.ptr.geoms[slot].flags & lib.OO_ALIVE:
             self._geoms[slot] = None
 
-    # -- meshes and surfaces, shared by geoms
+    # -- what geoms are made from and share, and surfaces
 
-    def take_mesh(self, data: MeshData) -> Any:
-        """The native of mesh data, made for the first geom that uses it; NULL if ODE refused."""
-        native, _, uses = self._meshes.get(id(data), (None, data, 0))
+    def take_shared(self, data: object, kind: int, make: Callable[[Any], Any]) -> Any:
+        """The native of ``data``, made for the first geom of that ``kind`` that uses it; NULL if ODE refused.
+
+        ``make`` makes it, given the C core's world.
+        """
+        native, _, uses = self._shared.get((id(data), kind), (None, data, 0))
         if native is None:
-            vertices, triangles = data.vertices, data.triangles
-            native = lib.oo_mesh_new(
-                self.ptr,
-                ffi.cast("double *", vertices.ctypes.data),
-                len(vertices),
-                ffi.cast("unsigned int *", triangles.ctypes.data),
-                len(triangles),
-            )
+            native = make(self.ptr)
             if native == ffi.NULL:
                 return native
-        self._meshes[id(data)] = (native, data, uses + 1)
+        self._shared[id(data), kind] = (native, data, uses + 1)
         return native
 
-    def give_mesh(self, data: MeshData) -> None:
-        """Free the native of mesh data with the last geom that used it."""
-        native, _, uses = self._meshes.pop(id(data))
+    def give_shared(self, data: object, kind: int) -> None:
+        """Free the native of ``data`` with the last geom of that ``kind`` that used it."""
+        native, _, uses = self._shared.pop((id(data), kind))
         if uses > 1:
-            self._meshes[id(data)] = (native, data, uses - 1)
+            self._shared[id(data), kind] = (native, data, uses - 1)
         else:
             lib.oo_mesh_free(self.ptr, native)
 

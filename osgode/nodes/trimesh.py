@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol, Unpack
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, Unpack, runtime_checkable
 
 import numpy as np
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from osgode.nodes.realm import Realm
 
 
+@runtime_checkable
 class HasTriangles(Protocol):
     """A loaded model, or a Mesh: anything with vertices and triangles."""
 
@@ -37,13 +39,77 @@ class HasTriangles(Protocol):
         """(m, 3) indices."""
 
 
-def _data(value: Any) -> MeshData:
+Triangles: TypeAlias = HasTriangles | MeshData | tuple[Any, Any]
+"""What triangles come from: a model, a Mesh, MeshData, or a pair (vertices, triangles)."""
+
+
+def mesh_data(source: Triangles, label: str, name: str) -> MeshData:
+    """The MeshData in what a user gave.
+
+    Raises:
+        ModelError: beginning with ``label``, if the triangles can't be used.
+    """
+    if isinstance(source, MeshData):
+        return source
+    if isinstance(source, tuple) and len(source) == 2:
+        return MeshData(*source, name=name)
+    if isinstance(source, HasTriangles):
+        return MeshData(source.vertices, source.triangles, getattr(source, "name", name))
+    raise ModelError(
+        f"{label}: source is a {type(source).__name__}; it must be a model, a Mesh, MeshData, "
+        "or a pair (vertices, triangles)"
+    )
+
+
+def checked_data(value: Any) -> MeshData:
+    """The check of a field that holds MeshData."""
     if not isinstance(value, MeshData):
         raise TypeError
     return value
 
 
-class Trimesh(Geom):
+class SharedGeom(Geom):
+    """Abstract: a geom made from data that all geoms of one World share."""
+
+    data: Any
+    """What it is made from."""
+
+    @abstractmethod
+    def _make_shared(self, world: Any) -> Any:
+        """The native of the data; NULL if ODE refused."""
+
+    def _enter(self, realm: Realm) -> None:
+        shared = realm.take_shared(self.data, self._shape(), self._make_shared)
+        if shared == ffi.NULL:
+            self._made(lib.OO_ASSERT)
+        self._shared = shared
+        try:
+            super()._enter(realm)
+        except BaseException:
+            if self._realm is None:
+                realm.give_shared(self.data, self._shape())
+            raise
+
+    def _leave(self) -> None:
+        realm = self._live("leaving it")
+        super()._leave()
+        realm.give_shared(self.data, self._shape())
+        self._shared = ffi.NULL
+
+    @contextmanager
+    def _visiting(self, realm: Realm, position: Vec3, rotation: Quat) -> Iterator[int]:
+        self._shared = realm.take_shared(self.data, self._shape(), self._make_shared)
+        if self._shared == ffi.NULL:
+            self._made(lib.OO_ASSERT)
+        try:
+            with super()._visiting(realm, position, rotation) as slot:
+                yield slot
+        finally:
+            realm.give_shared(self.data, self._shape())
+            self._shared = ffi.NULL
+
+
+class Trimesh(SharedGeom):
     """A surface of triangles: terrain, houses, hulls.
 
     It is a surface and not a solid: what is wholly inside touches nothing. As a part of a body it must be closed,
@@ -61,31 +127,21 @@ class Trimesh(Geom):
 
     data: Field[MeshData, MeshData] = Field(
         MeshData([(0, 0, 0), (0, 0, 1), (1, 0, 0)], [(0, 1, 2)]),
-        Check("MeshData", _data),
+        Check("MeshData", checked_data),
         fixed=True,
         doc="Its vertices and triangles, given when it is made.",
     )
 
     def __init__(
         self,
-        source: HasTriangles | MeshData | tuple[npt.ArrayLike, npt.ArrayLike],
+        source: Triangles,
         *,
         name: str = "",
         visible: bool = True,
         **fields: Unpack[GeomFields],
     ) -> None:
         self._model_drawables: Sequence[Drawable] = tuple(getattr(source, "drawables", ()))
-        if isinstance(source, MeshData):
-            data = source
-        elif isinstance(source, tuple) and len(source) == 2:
-            data = MeshData(*source, name=name)
-        elif hasattr(source, "vertices") and hasattr(source, "triangles"):
-            data = MeshData(source.vertices, source.triangles, getattr(source, "name", name))
-        else:
-            raise ModelError(
-                f"Trimesh {name!r}: source is a {type(source).__name__}; it must be a model, a Mesh, MeshData, "
-                "or a pair (vertices, triangles)"
-            )
+        data = mesh_data(source, f"Trimesh {name!r}", name)
         super().__init__(name=name, visible=visible, data=data, **fields)
 
     def _copy_from(self, other: Any) -> None:
@@ -107,32 +163,3 @@ class Trimesh(Geom):
         vertices = self.data.vertices.astype(np.float32)
         return (Drawable(Mesh(vertices, self.data.triangles, name=self.data.name), self._look()),)
 
-    def _enter(self, realm: Realm) -> None:
-        mesh = realm.take_mesh(self.data)
-        if mesh == ffi.NULL:
-            self._made(lib.OO_ASSERT)
-        self._mesh = mesh
-        try:
-            super()._enter(realm)
-        except BaseException:
-            if self._realm is None:
-                realm.give_mesh(self.data)
-            raise
-
-    @contextmanager
-    def _visiting(self, realm: Realm, position: Vec3, rotation: Quat) -> Iterator[int]:
-        self._mesh = realm.take_mesh(self.data)
-        if self._mesh == ffi.NULL:
-            self._made(lib.OO_ASSERT)
-        try:
-            with super()._visiting(realm, position, rotation) as slot:
-                yield slot
-        finally:
-            realm.give_mesh(self.data)
-            self._mesh = ffi.NULL
-
-    def _leave(self) -> None:
-        realm = self._live("leaving it")
-        super()._leave()
-        realm.give_mesh(self.data)
-        self._mesh = ffi.NULL

@@ -200,6 +200,7 @@ class World(Listening, Queries, WorldSettings, Group):
                 self._send_pairs(realm)
             before = ptr.steps
             realm.busy = True
+            realm.ray_hits = None
             try:
                 status = lib.oo_run(ptr, left)
             finally:
@@ -301,7 +302,8 @@ class World(Listening, Queries, WorldSettings, Group):
         """A copy of the contacts of the last step, as a structured array.
 
         ``geom.pos``, ``geom.normal`` (out of the second geom) and ``geom.depth`` of each; ``slot1`` and ``slot2``
-        say which geoms (`geom_of_slot`); ``force`` (N, on the first) where somebody listens.
+        say which geoms (`geom_of_slot`); ``force`` (N, on the first) where somebody listens. Hits of rays are among
+        them: there ``slot1`` is the ray's, ``depth`` is the distance, and ``surface`` is ``0x7fffffff``: no response.
         """
         realm = self._live("contacts")
         rows = contact_rows(realm, 0, realm.ptr.contact_count)

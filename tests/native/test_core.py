@@ -369,6 +369,8 @@ def build():
     for i in range(8):
         body = draw.choice(spaces).attach(oo.Body(position=(i * 0.7, 0.4, 0)))
         stand = Stand(draw.choice([cls for cls in MAKERS if issubclass(cls, oo.Geom) and cls is not oo.Plane]))
+        if isinstance(stand.node, oo.Heightfield):
+            stand.node.mass = 0
         body.attach(oo.Placeable()).attach(stand.node)
         bodies.append(body)
     joints = [oo.Hinge(bodies[0], bodies[1]), oo.Slider(bodies[2]), oo.Ball(bodies[3], bodies[4]), oo.Fixed(bodies[5])]
@@ -390,7 +392,7 @@ for round_number in range(int(sys.argv[2])):
         kind = draw.random()
         if kind < 0.55 and thing.FIELDS:
             name = draw.choice(list(thing.FIELDS))
-            case = next(c for c in CASES if c.cls is type(thing) and c.name == name)
+            case = next((c for c in CASES if c.cls is type(thing) and c.name == name), None)
             attempt(lambda: setattr(thing, name, value(case)))
         elif kind < 0.7:
             verbs = [verb for cls, names in VERBS.items() if isinstance(thing, cls) for verb in names]

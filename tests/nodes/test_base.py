@@ -16,6 +16,7 @@ from osgode.nodes import bodymass as nodes_bodymass
 from osgode.nodes import geom as nodes_geom
 from osgode.nodes import realm as nodes_realm
 from osgode.nodes import spaces as nodes_spaces
+from osgode.nodes import trimesh as nodes_trimesh
 from tests.strategies import CUBE, MAKERS, Stand
 from tests.trees import Rig, assert_photos_agree, is_consistent, photo
 
@@ -31,7 +32,9 @@ ALLOWED = {
     "Body": SPACES | {"World"},
     "Placeable": SPACES | {"Body"},
     "CentreOfMass": {"Body"},
-    **dict.fromkeys(("Box", "Sphere", "Capsule", "Cylinder", "Trimesh"), SPACES | {"Placeable"}),
+    **dict.fromkeys(
+        ("Box", "Sphere", "Capsule", "Cylinder", "Trimesh", "ConvexHull", "Heightfield", "Ray"), SPACES | {"Placeable"}
+    ),
     "Plane": SPACES,
     **dict.fromkeys(VISUAL | {"Leaf"}, GROUPS),
 }
@@ -40,8 +43,10 @@ ALLOWED = {
 
 def make(name):
     cls = getattr(oo, name)
-    if name == "Trimesh":
-        return oo.Trimesh(CUBE, name=f"a {name}")
+    if name in ("Trimesh", "ConvexHull"):
+        return cls(CUBE, name=f"a {name}")
+    if name == "Heightfield":
+        return cls([[0, 1], [1, 0]], name=f"a {name}", mass=0)
     if name == "Leaf":
         return oo.Leaf([], name=f"a {name}")
     return cls(name=f"a {name}")
@@ -207,7 +212,7 @@ def test_a_subtree_comes_and_goes_as_a_whole():
     assert [joint.is_live for joint in rig.joints] == [False, False, True]
     is_consistent(rig.world)
     left = oo.live_natives()
-    assert (left.bodies, left.geoms, left.spaces, left.joints, left.meshes) == (2, 9, 2, 1, 2)
+    assert (left.bodies, left.geoms, left.spaces, left.joints, left.meshes) == (2, 13, 2, 1, 4)
     rig.world.attach(rig.hash)
     is_consistent(rig.world)
     assert oo.live_natives()[:6] == full[:6]
@@ -267,7 +272,7 @@ class Failing:
         return call
 
     def install(self, monkeypatch):
-        for module in (nodes_base, nodes_bodymass, nodes_geom, nodes_realm, nodes_spaces, joints_base):
+        for module in (nodes_base, nodes_bodymass, nodes_geom, nodes_realm, nodes_spaces, nodes_trimesh, joints_base):
             monkeypatch.setattr(module, "lib", self)
 
 
@@ -633,7 +638,7 @@ def alive():
 
 def test_dropping_the_root_frees_everything():
     rig = Rig()
-    assert alive() == (1, 4, 17, 4, 3, 4)
+    assert alive() == (1, 4, 25, 4, 3, 8)
     del rig
     assert alive() == (0,) * 6
 

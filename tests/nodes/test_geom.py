@@ -179,7 +179,10 @@ def test_a_geom_can_show_something_else_than_its_shape():
 
 @pytest.mark.parametrize(
     "geom",
-    [oo.Box(), oo.Sphere(), oo.Capsule(), oo.Cylinder(), oo.Plane(), oo.Trimesh(CUBE)],
+    [
+        *(oo.Box(), oo.Sphere(), oo.Capsule(), oo.Cylinder(), oo.Plane(), oo.Trimesh(CUBE)),
+        *(oo.ConvexHull(CUBE), oo.Heightfield([[0, 1], [1, 0]]), oo.Ray()),
+    ],
     ids=lambda geom: type(geom).__name__,
 )
 def test_every_change_of_looks_is_noted(geom):

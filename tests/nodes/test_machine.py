@@ -35,6 +35,10 @@ NEW = {
     "cylinder": lambda: oo.Cylinder(0.3, 0.5, material="ice"),
     "plane": lambda: oo.Plane((0, 1, 0), -50),
     "mesh": lambda: oo.Trimesh(CUBE, mass=2.0),
+    "hull": lambda: oo.ConvexHull(CUBE, mass=2.0),
+    "solid hull": lambda: oo.ConvexHull(CUBE, mass=2.0, solid=True),
+    "terrain": lambda: oo.Heightfield([[0, 1, 0], [1, 0, 1]], (3, 2), mass=0),
+    "ray": lambda: oo.Ray(3),
     "group": oo.Group,
 }
 
@@ -189,7 +193,7 @@ class Machine(RuleBasedStateMachine):
             with pytest.raises(oo.StateError):
                 setattr(node, name, value)
             return
-        if name == "mass" and node.density is not None:
+        if name == "mass" and (node.density is not None or isinstance(node, oo.Heightfield)):
             return
         if isinstance(node, oo.Plane) and name in ("normal", "offset"):
             return
@@ -353,7 +357,11 @@ class Machine(RuleBasedStateMachine):
         assert counts.geoms == sum(isinstance(node, oo.Geom) for node in live)
         assert counts.spaces == sum(isinstance(node, oo.Space) for node in live)
         assert counts.joints == sum(joint.is_live for joint, _, _ in self.joints)
-        meshes = {(id(node.data), id(node.world)) for node in live if isinstance(node, oo.Trimesh)}
+        meshes = {
+            (id(node.data), id(node.world), type(node), getattr(node, "solid", False))
+            for node in live
+            if hasattr(node, "data")
+        }
         assert counts.meshes == len(meshes)
 
     @invariant()
@@ -367,6 +375,7 @@ class Machine(RuleBasedStateMachine):
     def masses_are_sums(self):
         for body in self.known:
             parts = [geom for geom in self.below(body) if isinstance(geom, oo.Geom) and geom.mass != 0.0]
+            parts = [geom for geom in parts if not isinstance(geom, oo.Ray)]
             if not isinstance(body, oo.Body) or body.fixed_mass is not None or not parts:
                 continue
             assert set(body.geoms) >= set(parts)
