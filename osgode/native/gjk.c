@@ -14,7 +14,7 @@ static void add_scaled(double *out, const double *a, double scale, const double 
 }
 
 /* The point of the shape that lies farthest along a direction of the world. */
-static void support(const shape *s, const double *way, double *out) {
+void support(const shape *s, const double *way, double *out) {
     double own[3], local[3] = {0, 0, 0};
     const double *r = s->rotation;
     if (s->kind == SHAPE_POINTS) {
@@ -141,7 +141,8 @@ static int nearest_on_tetrahedron(simplex *s, double *out) {
 static double core_distance(const shape *a, const double *by, const shape *b, double *apart) {
     simplex s = {.count = 0};
     double way[3], far_a[3], far_b[3], corner[3], scale = 1e-300;
-    for (int k = 0; k < 3; k++) apart[k] = a->position[k] + by[k] - b->position[k];
+    const double *from = a->points ? a->points : a->position, *to = b->points ? b->points : b->position;
+    for (int k = 0; k < 3; k++) apart[k] = from[k] + by[k] - to[k];
     if (dot(apart, apart) == 0) apart[0] = 1;
     double best = INFINITY;
     for (int round = 0; round < 64; round++) {
@@ -181,21 +182,17 @@ double shape_distance(const shape *a, const double *by, const shape *b, double *
     }
     distance = core_distance(a, by, b, apart);
     double length = sqrt(dot(apart, apart));
-    for (int k = 0; k < 3; k++) normal[k] = length > 0 ? apart[k] / length : 0;
+    for (int k = 0; k < 3; k++) normal[k] = distance > 0 ? apart[k] / length : 0;
     return distance - a->margin - b->margin;
 }
 
-/* How far along the motion (0 to 1) the shape first comes as near as `gap`; above 1: not at all. What overlaps already,
-   or parts, is no first touch. */
+/* How far along the motion (0 to 1) the shape, which is apart now, first comes as near as `gap`; 2: not at all. */
 double first_touch(const shape *a, const double *motion, const shape *b, double gap, double *normal) {
     double t = 0, by[3] = {0, 0, 0};
     for (int round = 0; round < 100; round++) {
-        double distance = shape_distance(a, by, b, normal);
-        if (round == 0 && distance <= 0) return 2;
-        double closing = -dot(motion, normal);
-        if (distance <= gap && round) return t;
-        if (closing <= 0) return 2;
+        double distance = shape_distance(a, by, b, normal), closing = -dot(motion, normal);
         if (distance <= gap) return t;
+        if (closing <= 0) return 2;
         t += (distance - 0.5 * gap) / closing;
         if (t > 1) return 2;
         for (int k = 0; k < 3; k++) by[k] = t * motion[k];

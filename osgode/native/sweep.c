@@ -4,17 +4,20 @@
    first touches something it is put there, a little into it, with the velocity that it has: the next step finds the
    contact, and the usual response follows. Turning on the way is left out. */
 
+#include "heightfield.h"
 #include "shapes.h"
 
 #define LITTLE 0.01     /* of the thinnest part: how far it is put into what it hits */
 #define AT_MOST 1e-3
+#define ROUNDED 0.1     /* of the thinnest part: how much edges and corners are rounded off */
 
 typedef struct follower {
     oo_world *world;
     dBodyID body;
     unsigned int slot;      /* of the geom that is followed */
     shape shape;            /* where it was */
-    double motion[3], gap;
+    shape middle;           /* its centre of mass, where that was */
+    double motion[3], gap, thin;
     double touch;           /* the nearest so far */
     double normal[3];
     double low[3], high[3]; /* of all of its way */
@@ -70,7 +73,23 @@ static int describe(dGeomID geom, shape *s) {
     return 0;
 }
 
-/* A ball about a mesh or hull that moves. */
+/* The corners of a hull, in the world; to be freed. */
+static int describe_hull(const oo_geom *geom, shape *s) {
+    const oo_mesh *hull = geom->mesh;
+    frame at = frame_of(geom->id);
+    double *points = malloc(3 * sizeof *points * hull->vertex_count);
+    if (!points) return OO_NO_MEMORY;
+    memset(s, 0, sizeof *s);
+    for (unsigned int i = 0; i < hull->vertex_count; i++) to_world(&at, hull->vertices + 3 * i, points + 3 * i);
+    s->kind = SHAPE_POINTS;
+    s->points = points;
+    s->count = (int)hull->vertex_count;
+    return OO_OK;
+}
+
+static int is_hull(const oo_geom *geom) { return geom->mesh && geom->mesh->planes; }
+
+/* A ball about a mesh that moves. */
 static void bounding_ball(dGeomID geom, shape *s) {
     dReal box[6];
     dGeomGetAABB(geom, box);
@@ -84,53 +103,97 @@ static void bounding_ball(dGeomID geom, shape *s) {
     s->margin = sqrt(squares);
 }
 
-static void try_shape(follower *f, const shape *other, const double *motion) {
-    double normal[3], t = first_touch(&f->shape, motion, other, f->gap, normal);
-    if (t >= f->touch) return;
-    f->touch = t;
-    memcpy(f->normal, normal, sizeof normal);
+static void move_back(shape *s, const double *by) {
+    if (s->kind == SHAPE_PLANE) return;
+    for (int k = 0; k < 3; k++) s->position[k] -= by[k];
+    double *points = (double *)s->points;
+    for (int i = 0; i < 3 * s->count; i++) points[i] -= by[i % 3];
 }
 
-typedef struct triangle_visit {
+static void note(follower *f, double t, const double *normal) {
+    if (t >= f->touch) return;
+    f->touch = t;
+    memcpy(f->normal, normal, sizeof f->normal);
+}
+
+/* A body that has hit with a corner turns, and its middle goes on as fast: what it touches already stops it too, if it
+   would go far into that. Along it, it may slide. */
+static void try_shape(follower *f, const shape *other, const double *motion) {
+    static const double here[3];
+    double normal[3], distance = shape_distance(&f->shape, here, other, normal);
+    if (distance > f->gap) {
+        double t = first_touch(&f->shape, motion, other, f->gap, normal);
+        note(f, t, normal);
+    } else if (dot(normal, normal) > 0) {
+        if (-dot(motion, normal) > f->thin / 2) note(f, 0, normal);
+    } else if (shape_distance(&f->middle, here, other, normal) > f->gap) { /* too deep to tell which way is out */
+        if (first_touch(&f->middle, motion, other, f->gap, normal) <= 1) note(f, 0, normal);
+    }
+}
+
+typedef struct surface {
     follower *follower;
-    dGeomID mesh;
+    frame at;
     const double *shift; /* back to where it was */
     const double *motion;
-} triangle_visit;
+} surface;
 
 static void try_triangle(void *data, const double *corners[3]) {
-    const triangle_visit *v = data;
+    const surface *v = data;
     double points[9];
-    const dReal *p = dGeomGetPosition(v->mesh), *r = dGeomGetRotation(v->mesh);
-    for (int c = 0; c < 3; c++)
-        for (int k = 0; k < 3; k++)
-            points[3 * c + k] = p[k] - v->shift[k] + r[4 * k] * corners[c][0] + r[4 * k + 1] * corners[c][1] + r[4 * k + 2] * corners[c][2];
+    for (int c = 0; c < 3; c++) {
+        to_world(&v->at, corners[c], points + 3 * c);
+        for (int k = 0; k < 3; k++) points[3 * c + k] -= v->shift[k];
+    }
     shape triangle = {.kind = SHAPE_POINTS, .points = points, .count = 3};
     memcpy(triangle.position, points, sizeof triangle.position);
     try_shape(v->follower, &triangle, v->motion);
 }
 
-/* The box of the way, as the mesh sees it. */
-static int try_mesh(follower *f, const oo_geom *geom, const double *shift, const double *motion) {
-    const dReal *p = dGeomGetPosition(geom->id), *r = dGeomGetRotation(geom->id);
+static void try_heights(const surface *v, const field *f, const double *low, const double *high) {
+    const oo_mesh *m = f->data;
+    int last_i = (int)m->columns - 2, last_j = (int)m->rows - 2;
+    int i0 = clamped((low[0] + f->width / 2) / f->dx, last_i), i1 = clamped((high[0] + f->width / 2) / f->dx, last_i);
+    int j0 = clamped((low[2] + f->depth / 2) / f->dz, last_j), j1 = clamped((high[2] + f->depth / 2) / f->dz, last_j);
+    for (int j = j0; j <= j1; j++)
+        for (int i = i0; i <= i1; i++) {
+            double corner[4][3]; /* (0, 0), (1, 0), (0, 1), (1, 1): divided from the second to the third */
+            for (int c = 0; c < 4; c++) {
+                corner[c][0] = (i + c % 2) * f->dx - f->width / 2;
+                corner[c][1] = height_of(m, i + c % 2, j + c / 2);
+                corner[c][2] = (j + c / 2) * f->dz - f->depth / 2;
+            }
+            const double *lower[3] = {corner[0], corner[1], corner[2]}, *upper[3] = {corner[1], corner[2], corner[3]};
+            try_triangle((void *)v, lower);
+            try_triangle((void *)v, upper);
+        }
+}
+
+/* Triangles in the box of the way, as the surface sees it. */
+static int try_surface(follower *f, const oo_geom *geom, const double *shift, const double *motion) {
+    surface v = {f, frame_of(geom->id), shift, motion};
     double low[3], high[3];
     for (int k = 0; k < 3; k++) {
         double middle = 0, reach = 0;
         for (int j = 0; j < 3; j++) {
-            middle += r[4 * j + k] * ((f->low[j] + f->high[j]) / 2 - p[j] + shift[j]);
-            reach += fabs(r[4 * j + k]) * ((f->high[j] - f->low[j]) / 2 + fabs(shift[j]));
+            middle += v.at.r[4 * j + k] * ((f->low[j] + f->high[j]) / 2 - v.at.p[j] + shift[j]);
+            reach += fabs(v.at.r[4 * j + k]) * ((f->high[j] - f->low[j]) / 2 + fabs(shift[j]));
         }
         low[k] = middle - reach;
         high[k] = middle + reach;
     }
-    triangle_visit visit = {f, geom->id, shift, motion};
-    return triangles_in(geom->mesh, low, high, try_triangle, &visit);
+    if (!(geom->flags & OO_IS_HEIGHTFIELD)) return triangles_in(geom->mesh, low, high, try_triangle, &v);
+    const field *heights = dGeomGetClassData(geom->id);
+    if (low[1] <= heights->data->highest && high[0] >= -heights->width / 2 && low[0] <= heights->width / 2 &&
+        high[2] >= -heights->depth / 2 && low[2] <= heights->depth / 2)
+        try_heights(&v, heights, low, high);
+    return OO_OK;
 }
 
 static int can_stop(const oo_world *w, const follower *f, const oo_geom *other) {
     const oo_geom *own = &w->geoms[f->slot];
     dBodyID body = dGeomGetBody(other->id);
-    if (body == f->body || (own->flags | other->flags) & OO_SENSOR) return 0;
+    if (body == f->body || (own->flags | other->flags) & (OO_SENSOR | OO_IS_RAY)) return 0;
     if (!(own->category & other->collide) || !(other->category & own->collide)) return 0;
     return !body || !dAreConnectedExcluding(f->body, body, dJointTypeContact);
 }
@@ -142,54 +205,94 @@ static void try_geom(void *data, unsigned int slot) {
     double shift[3], motion[3];
     displacement(f->world, dGeomGetBody(geom->id), shift);
     for (int k = 0; k < 3; k++) motion[k] = f->motion[k] - shift[k];
-    if (geom->mesh) {
-        if (try_mesh(f, geom, shift, motion)) f->world->out_of_memory = 1;
-        return;
-    }
     shape other;
-    if (!describe(geom->id, &other)) return;
-    if (other.kind != SHAPE_PLANE)
-        for (int k = 0; k < 3; k++) other.position[k] -= shift[k];
-    try_shape(f, &other, motion);
+    if (geom->mesh && !is_hull(geom)) {
+        if (try_surface(f, geom, shift, motion)) f->world->out_of_memory = 1;
+    } else if (geom->mesh) {
+        if (describe_hull(geom, &other)) {
+            f->world->out_of_memory = 1;
+            return;
+        }
+        move_back(&other, shift);
+        try_shape(f, &other, motion);
+        free((void *)other.points);
+    } else if (describe(geom->id, &other)) {
+        move_back(&other, shift);
+        try_shape(f, &other, motion);
+    }
 }
 
-static void follow_geom(follower *f, dGeomID geom, int as_point) {
-    dReal box[6];
-    dGeomGetAABB(geom, box);
-    if (as_point) {
-        const dReal *p = dBodyGetPosition(f->body);
-        memset(&f->shape, 0, sizeof f->shape);
-        for (int k = 0; k < 3; k++) box[2 * k] = box[2 * k + 1] = f->shape.position[k] = p[k];
-        for (int k = 0; k < 3; k++) f->shape.rotation[5 * k] = 1;
-        f->shape.kind = SHAPE_SEGMENT;
-    } else if (!describe(geom, &f->shape)) {
-        bounding_ball(geom, &f->shape);
-        for (int k = 0; k < 3; k++) {
-            box[2 * k] = f->shape.position[k] - f->shape.margin;
-            box[2 * k + 1] = f->shape.position[k] + f->shape.margin;
-        }
-    }
+static void find_way(follower *f) {
+    shape *s = &f->shape;
     for (int k = 0; k < 3; k++) {
-        f->shape.position[k] -= f->motion[k];
-        f->low[k] = box[2 * k] - fmax(f->motion[k], 0) - f->gap;
-        f->high[k] = box[2 * k + 1] - fmin(f->motion[k], 0) + f->gap;
+        f->low[k] = INFINITY;
+        f->high[k] = -INFINITY;
     }
+    for (int k = 0; k < 3; k++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            double way[3] = {0, 0, 0}, end[3];
+            way[k] = sign;
+            support(s, way, end);
+            f->low[k] = fmin(f->low[k], end[k] - s->margin);
+            f->high[k] = fmax(f->high[k], end[k] + s->margin);
+        }
+    for (int k = 0; k < 3; k++) {
+        f->low[k] += fmin(f->motion[k], 0) - f->gap;
+        f->high[k] += fmax(f->motion[k], 0) + f->gap;
+    }
+}
+
+/* A little smaller, with a margin that makes up for it: how deep it is in something can be told within the margin. */
+static void round_off(shape *s, double by) {
+    double middle[3] = {0, 0, 0}, *points = (double *)s->points;
+    for (int k = 0; k < 3; k++) s->half[k] = fmax(s->half[k] - by, 0);
+    for (int i = 0; i < 3 * s->count; i++) middle[i % 3] += points[i] / s->count;
+    for (int i = 0; i < 3 * s->count; i++) points[i] = middle[i % 3] + (1 - ROUNDED) * (points[i] - middle[i % 3]);
+    s->margin += by;
+}
+
+static void follow_geom(follower *f, const oo_geom *geom, int as_point) {
+    shape *s = &f->shape;
+    if (as_point) {
+        *s = f->middle;
+    } else {
+        int status = OO_OK;
+        if (is_hull(geom))
+            status = describe_hull(geom, s);
+        else if (!describe(geom->id, s))
+            bounding_ball(geom->id, s);
+        if (status) {
+            f->world->out_of_memory = 1;
+            return;
+        }
+        if (s->margin == 0) round_off(s, ROUNDED * f->thin);
+        move_back(s, f->motion);
+    }
+    find_way(f);
     near_way(f->world, f->low, f->high, try_geom, f);
+    if (s->kind == SHAPE_POINTS) free((void *)s->points);
 }
 
 static void follow_body(oo_world *w, oo_body *own) {
-    follower f = {.world = w, .body = own->id, .touch = 1, .gap = fmin(LITTLE * own->thin, AT_MOST)};
+    follower f = {.world = w, .body = own->id, .touch = 2, .thin = own->thin, .gap = fmin(LITTLE * own->thin, AT_MOST)};
     displacement(w, own->id, f.motion);
+    const dReal *p = dBodyGetPosition(own->id);
+    f.middle.kind = SHAPE_SEGMENT;
+    for (int k = 0; k < 3; k++) {
+        f.middle.position[k] = p[k] - f.motion[k];
+        f.middle.rotation[5 * k] = 1;
+    }
+    int as_point = own->tunnelling == OO_TUNNEL_RAY;
     for (dGeomID geom = dBodyGetFirstGeom(own->id); geom; geom = dBodyGetNextGeom(geom)) {
         f.slot = (unsigned int)(size_t)dGeomGetData(geom);
-        if (!dGeomIsEnabled(geom) || !dGeomGetSpace(geom) || w->geoms[f.slot].flags & OO_SENSOR) continue;
-        follow_geom(&f, geom, own->tunnelling == OO_TUNNEL_RAY);
+        if (!dGeomIsEnabled(geom) || !dGeomGetSpace(geom) || w->geoms[f.slot].flags & (OO_SENSOR | OO_IS_RAY)) continue;
+        follow_geom(&f, &w->geoms[f.slot], as_point);
     }
-    if (f.touch >= 1) return;
-    const dReal *p = dBodyGetPosition(own->id);
-    double back = 1 - f.touch, into = 2 * f.gap;
-    dBodySetPosition(own->id, p[0] - back * f.motion[0] - into * f.normal[0], p[1] - back * f.motion[1] - into * f.normal[1],
-                     p[2] - back * f.motion[2] - into * f.normal[2]);
+    if (f.touch > 1) return;
+    /* A little into what it hits; the centre of mass alone stops before it, by most of the body's thickness. */
+    double into = as_point ? (ROUNDED - 1) * f.thin : f.touch > 0 ? 2 * f.gap : 0, at[3];
+    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] - into * f.normal[k];
+    dBodySetPosition(own->id, at[0], at[1], at[2]);
     own->kept = f.touch;
 }
 

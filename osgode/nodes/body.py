@@ -14,15 +14,15 @@ from osgode.nodes.bodystate import (
     FORCE_LIMIT,
     BodyFields,
 )
-from osgode.nodes.glide import Gliding
 from osgode.nodes.realm import Realm
 from osgode.nodes.touch import Listening
+from osgode.nodes.tunnelling import Tunnelling
 
 if TYPE_CHECKING:
     from osgode.joints.base import Joint
 
 
-class Body(Listening, Gliding, Transform):
+class Body(Listening, Tunnelling, Transform):
     """A rigid body: parts placed below it by Placeables move as one.
 
     Its frame is the one that its author placed: `position` and `rotation` are that frame's, and
@@ -173,6 +173,7 @@ class Body(Listening, Gliding, Transform):
         self._snap()
 
     def _settle(self) -> None:
+        super()._settle()
         for joint in self._joints:
             joint._sync()
 

@@ -193,6 +193,7 @@ class BodyFields(TypedDict, total=False):
     linear_damping_threshold: float | None
     angular_damping_threshold: float | None
     max_angular_speed: float | None
+    tunnelling: str | None
 
 
 class BodyState(PhysicsNode):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
@@ -185,6 +186,10 @@ class Geom(Listening):
     @abstractmethod
     def _shape_drawables(self) -> tuple[Drawable, ...]:
         """The collision shape as it looks."""
+
+    def _half_thickness(self) -> float:
+        """Half of its thinnest side, metres; infinite for what is never thin."""
+        return math.inf
 
     # -- what it is
 

@@ -48,6 +48,9 @@ class Box(Geom):
     def _dimensions(self) -> tuple[float, ...]:
         return self.size
 
+    def _half_thickness(self) -> float:
+        return min(self.size) / 2
+
     def _shape_mass(self, *, mass: float | None = None, density: float | None = None) -> Mass:
         return Mass.box(self.size, mass=mass, density=density)
 
@@ -80,6 +83,9 @@ class Sphere(Geom):
 
     def _dimensions(self) -> tuple[float, ...]:
         return (self.radius,)
+
+    def _half_thickness(self) -> float:
+        return self.radius
 
     def _shape_mass(self, *, mass: float | None = None, density: float | None = None) -> Mass:
         return Mass.sphere(self.radius, mass=mass, density=density)
@@ -144,6 +150,9 @@ class Capsule(_Round):
     _READ = staticmethod(lib.dGeomCapsuleGetParams)
     _WRITE = staticmethod(lib.dGeomCapsuleSetParams)
 
+    def _half_thickness(self) -> float:
+        return self.radius
+
     def _shape_mass(self, *, mass: float | None = None, density: float | None = None) -> Mass:
         return Mass.capsule(self.radius, self.length, mass=mass, density=density)
 
@@ -162,6 +171,9 @@ class Cylinder(_Round):
     SHAPE = lib.OO_CYLINDER
     _READ = staticmethod(lib.dGeomCylinderGetParams)
     _WRITE = staticmethod(lib.dGeomCylinderSetParams)
+
+    def _half_thickness(self) -> float:
+        return min(self.radius, self.length / 2)
 
     def _shape_mass(self, *, mass: float | None = None, density: float | None = None) -> Mass:
         return Mass.cylinder(self.radius, self.length, mass=mass, density=density)

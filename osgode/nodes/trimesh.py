@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, Unpack, runtime_checkable
@@ -96,6 +97,10 @@ class SharedGeom(Geom):
         realm.give_shared(self.data, self._shape())
         self._shared = ffi.NULL
 
+    def _half_thickness(self) -> float:
+        vertices = getattr(self.data, "vertices", None)
+        return math.inf if vertices is None else float(np.ptp(vertices, axis=0).min()) / 2
+
     @contextmanager
     def _visiting(self, realm: Realm, position: Vec3, rotation: Quat) -> Iterator[int]:
         self._shared = realm.take_shared(self.data, self._shape(), self._make_shared)
@@ -163,3 +168,5 @@ class Trimesh(SharedGeom):
         vertices = self.data.vertices.astype(np.float32)
         return (Drawable(Mesh(vertices, self.data.triangles, name=self.data.name), self._look()),)
 
+    def _make_shared(self, world: Any) -> Any:
+        return lib.oo_mesh_new(world, *self.data.arrays())

@@ -224,6 +224,8 @@ class World(Listening, Queries, WorldSettings, Group):
                     raise errors[0] if len(errors) == 1 else ExceptionGroup("several collide listeners failed", errors)
             if done:  # else nothing was collided, and the ends of touching are still to be told
                 self._forget_retired(realm)
+            if ptr.too_fast_count:
+                self._warn_of_fast(realm)
             realm.broken = status == lib.OO_BROKEN
             if status < 0 and ptr.bad_body >= 0:
                 raise self._bad_body(realm.bodies[ptr.bad_body])
@@ -236,6 +238,17 @@ class World(Listening, Queries, WorldSettings, Group):
         except BaseException:  # a step that can't go on is as if it had not begun
             lib.oo_abandon(realm.ptr)
             raise
+
+    def _warn_of_fast(self, realm: Realm) -> None:
+        for body in realm.bodies:
+            if lib.oo_body_take_warning(realm.ptr, body._index):
+                log.warning(
+                    "%s moves %.3g m in a step and is %.3g m thick: it may pass through things. "
+                    "Set tunnelling='sweep', or a smaller step size.",
+                    body.describe(),
+                    body.linear_velocity.length * self.step_size,
+                    2 * realm.ptr.bodies[body._index].thin,
+                )
 
     def _overloaded(self, realm: Realm) -> list[Joint]:
         """The joints that broke in the last step."""
