@@ -11,9 +11,9 @@ ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())
 ffi.set_source(
     "osgode.native._core",
     '#include <ode/ode.h>\n#include "core.h"\n',
-    sources=[str(NATIVE / f"{name}.c") for name in ("support", "core", "geoms", "joints", "broad", "step")],
+    sources=[str(NATIVE / f"{name}.c") for name in ("support", "core", "geoms", "joints", "boxtree", "broad", "step")],
     include_dirs=[str(NATIVE)],
-    depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "ode.cdef")],
+    depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "broad.h", "ode.cdef")],
     libraries=["ode", "m", "dl", "pthread"],
     extra_compile_args=["-O2", "-std=gnu11", "-Wall"],
 )

@@ -54,14 +54,17 @@ HIDDEN void drive_servos(oo_world *);
 /* After a step. */
 HIDDEN void find_broken_joints(oo_world *);
 
-/* Contacts of two geoms into the rows, if their categories want it. */
+/* Contacts of two geoms into the rows, if they may have any. */
 HIDDEN void collide_pair(oo_world *, unsigned int slot1, unsigned int slot2);
+/* Whether there would be any. For use between steps. */
 HIDDEN int geoms_touch(oo_world *, unsigned int slot1, unsigned int slot2);
 
 enum { MOST_DECLARED = 64 }; /* pairs of spaces that osgode's own broad phase can tell apart */
 /* Contacts of all pairs that matter, by osgode's own broad phase. */
 HIDDEN int find_pairs(oo_world *);
-/* Wake the bodies that sleep on a geom. */
+/* Another way was taken: what it knows is of an older step. */
+HIDDEN void broad_forget(oo_world *);
+/* Wake the bodies that slept on a geom in the last step, if the pairs were found this way in it. */
 HIDDEN void wake_sleepers_on(oo_world *, unsigned int slot);
 HIDDEN void broad_free(oo_world *);
 

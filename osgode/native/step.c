@@ -32,13 +32,17 @@ static void note_touch(oo_world *w, unsigned int slot1, unsigned int slot2, unsi
                         .count = count};
 }
 
+static int may_touch(const oo_geom *a, const oo_geom *b) {
+    if (!(a->category & b->collide) || !(b->category & a->collide)) return 0;
+    dBodyID body1 = dGeomGetBody(a->id), body2 = dGeomGetBody(b->id);
+    if (body1 == body2) return 0; /* of one body, or both static */
+    return !(body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact));
+}
+
 void collide_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
-    if (!(a->category & b->collide) || !(b->category & a->collide)) return;
+    if (!may_touch(a, b)) return;
     dGeomID g1 = a->id, g2 = b->id;
-    dBodyID body1 = dGeomGetBody(g1), body2 = dGeomGetBody(g2);
-    if (body1 == body2) return;
-    if (body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact)) return;
     if (a->flags & b->flags & OO_IS_CYLINDER && slot2 < slot1) { /* ODE's depth depends on the order of two cylinders */
         g1 = b->id;
         g2 = a->id;
@@ -79,6 +83,7 @@ void collide_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
 
 int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
     dContactGeom one;
+    if (!may_touch(&w->geoms[slot1], &w->geoms[slot2])) return 0;
     if (guard_enter()) {
         lock_meshes(0);
         return 1;
@@ -118,6 +123,7 @@ static int collide(oo_world *w) {
         guard_leave();
         return status;
     }
+    broad_forget(w);
     for (unsigned int i = 0; i < w->pair_count; i++) {
         if (w->pairs[i].other)
             dSpaceCollide2((dGeomID)w->pairs[i].space, (dGeomID)w->pairs[i].other, w, on_near);
@@ -132,6 +138,7 @@ static int respond(oo_world *w) {
     unsigned int listened = 0;
     for (unsigned int i = 0; i < w->touching_count; i++) listened += w->touching[i].count;
     if (reserve(&w->feedback, &w->feedback_capacity, listened, sizeof *w->feedback)) return OO_NO_MEMORY;
+    if (listened) memset(w->feedback, 0, listened * sizeof *w->feedback); /* ODE writes none for what sleeps */
     w->feedback_count = 0;
     for (unsigned int i = 0; i < w->touching_count; i++)
         for (unsigned int k = 0; k < w->touching[i].count; k++)

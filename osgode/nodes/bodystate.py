@@ -115,6 +115,17 @@ def _waking(write: Callable[[BodyState, Any], object]) -> Callable[[BodyState, A
     return write_and_wake
 
 
+def _moving(write: Callable[[BodyState, Any], object]) -> Callable[[BodyState, Any], None]:
+    """The same, and what slept on it wakes too: it may have lost its support."""
+
+    def write_and_wake_all(body: BodyState, value: Any) -> None:
+        lib.oo_wake_touching_body(body._live("moving").ptr, body._index)
+        write(body, value)
+        lib.dBodyEnable(body._id)
+
+    return write_and_wake_all
+
+
 def _write_kinematic(body: BodyState, value: bool) -> None:
     if value:
         lib.dBodySetKinematic(body._id)
@@ -233,14 +244,14 @@ class BodyState(PhysicsNode):
         IDENTITY,
         ROTATION,
         _read_rotation,
-        _waking(_write_rotation),
+        _moving(_write_rotation),
         doc="Quaternion (w, x, y, z) from body axes to world axes.",
     )
     position = VectorField(
         ZERO,
         vector(POSITION_LIMIT),
         read_position,
-        _waking(write_position),
+        _moving(write_position),
         unit="m",
         doc="Of the body's frame, in the world.",
     )

@@ -64,6 +64,16 @@ def _drawables(value: Any) -> tuple[Drawable, ...]:
     return drawables
 
 
+def waking(write: Callable[[Any, Any], object]) -> Callable[[Any, Any], None]:
+    """Wake what touches a geom before it is changed: what slept on it may lose its support."""
+
+    def wake_and_write(geom: Any, value: Any) -> None:
+        lib.oo_wake_touching(geom._realm.ptr, geom._slot)
+        write(geom, value)
+
+    return wake_and_write
+
+
 class GeomFields(TypedDict, total=False):
     """The keyword arguments that all geoms have."""
 
@@ -98,7 +108,7 @@ class Geom(PhysicsNode):
         True,
         FLAG,
         lambda geom: bool(lib.dGeomIsEnabled(geom._id)),
-        lambda geom, value: lib.dGeomEnable(geom._id) if value else lib.dGeomDisable(geom._id),
+        waking(lambda geom, value: lib.dGeomEnable(geom._id) if value else lib.dGeomDisable(geom._id)),
         doc="Whether it collides.",
     )
     mass: Field[float | None, float | None] = Field(
@@ -248,6 +258,7 @@ class Geom(PhysicsNode):
 
     def _marked(self) -> None:
         if self._realm is not None:
+            lib.oo_wake_touching(self._realm.ptr, self._slot)
             lib.oo_geom_set_bits(
                 self._realm.ptr,
                 self._slot,
