@@ -15,7 +15,9 @@ def hinges(*, feedback: bool) -> oo.World:
     for chain in range(COUNT // 10):
         last: oo.Body | None = None
         for link in range(10):
-            bar = world.attach(oo.Body(position=(link + 0.5, 0.0, chain), fixed_mass=oo.Mass.box((1, 0.1, 0.1), mass=1)))
+            bar = world.attach(
+                oo.Body(position=(link + 0.5, 0.0, chain), fixed_mass=oo.Mass.box((1, 0.1, 0.1), mass=1))
+            )
             oo.Hinge(bar, last, anchor=(link, 0.0, chain), axis=(0, 0, 1), feedback=feedback)
             last = bar
     return world

@@ -115,7 +115,9 @@ class Scene:
             if link.kind == "ball":
                 oo.Ball(bodies[link.body], other, anchor=link.anchor)
             else:
-                axle = oo.Hinge2(bodies[link.body], bodies[link.other], anchor=link.anchor, axis2=link.axis, stops1=(0, 0))
+                axle = oo.Hinge2(
+                    bodies[link.body], bodies[link.other], anchor=link.anchor, axis2=link.axis, stops1=(0, 0)
+                )
                 axle.suspension_stiffness, axle.suspension_damping = STIFFNESS, DAMPING
                 axle.motor(link.velocity, link.max_force, axis=2)
         return world

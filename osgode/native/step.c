@@ -98,7 +98,7 @@ int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
 static void on_near(void *data, dGeomID g1, dGeomID g2) {
     if (dGeomIsSpace(g1) || dGeomIsSpace(g2))
         dSpaceCollide2(g1, g2, data, on_near);
-    else
+    else if (dGeomIsEnabled(g1) && dGeomIsEnabled(g2)) /* of two spaces, ODE asks the geoms of one only */
         collide_pair(data, (unsigned int)(size_t)dGeomGetData(g1), (unsigned int)(size_t)dGeomGetData(g2));
 }
 
