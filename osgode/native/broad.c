@@ -380,6 +380,14 @@ void wake_sleepers_on(oo_world *w, unsigned int slot) {
     }
 }
 
+unsigned long long oo_broad_bytes(const oo_world *w) {
+    const struct oo_broad *b = w->broad;
+    if (!b) return 0;
+    return sizeof *b + b->entry_capacity * sizeof *b->entries + b->space_capacity * sizeof *b->spaces +
+           b->mover_capacity * sizeof *b->movers + b->tree.capacity * sizeof *b->tree.nodes + b->reached_capacity +
+           (b->huge.capacity + b->hits.capacity + b->queue.capacity) * sizeof(unsigned int);
+}
+
 void broad_free(oo_world *w) {
     struct oo_broad *b = w->broad;
     if (!b) return;

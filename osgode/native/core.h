@@ -183,6 +183,8 @@ void oo_rehouse(dSpaceID from, dSpaceID to, dGeomID);
 /* Wake the bodies that touched a geom, or one of a body, in the last step: it is about to go or to change. */
 void oo_wake_touching(oo_world *, unsigned int slot);
 void oo_wake_touching_body(oo_world *, unsigned int index);
+/* What osgode's own broad phase keeps. */
+unsigned long long oo_broad_bytes(const oo_world *);
 /* As if nothing had touched in the last step. */
 void oo_forget_contacts(oo_world *);
 void oo_geom_set_bits(oo_world *, unsigned int slot, unsigned int category, unsigned int collide, unsigned int material);
