@@ -21,15 +21,16 @@ def sleeping_scenes(draw):
     blow = draw(st.sampled_from(["ball", "rope", "push", "take", "floor", "teleport", "resize", "disable", "nothing"]))
     target = draw(st.integers(0, 15))
     later = draw(st.sampled_from(["take", "disable", "resize", "teleport", "nothing"]))
-    return columns, gaps, joints, blow, target, later, draw(st.integers(0, 15))
+    return draw(st.booleans()), columns, gaps, joints, blow, target, later, draw(st.integers(0, 15))
 
 
-def lay(mode, columns, gaps, joints):
-    world, moving, floor = ground(mode, iterations=200, contacts_per_pair=4, step_size=1 / 240)
+def lay(mode, is_round, columns, gaps, joints):
+    world, moving, floor = ground(mode, iterations=500, contacts_per_pair=8, step_size=1 / 240)
     bodies, x = [], 0.0
     for height, gap in zip(columns, gaps, strict=True):
         for k in range(height):
-            bodies.append(put(moving, (x, 0.4999 + 0.9999 * k, 0), name=f"box {len(bodies)}", enabled=False))
+            geom = oo.Sphere(0.5, mass=1.0) if is_round else oo.Box((1, 1, 1), mass=1.0)
+            bodies.append(put(moving, (x, 0.4999 + 0.9999 * k, 0), geom, name=f"part {len(bodies)}", enabled=False))
         x += gap
     for one, other in joints:
         a, b = bodies[one % len(bodies)], bodies[other % len(bodies)]
@@ -63,7 +64,11 @@ def happen(what, scene, target):
     elif what == "teleport":
         body.position = (0, 50, 0)
     elif what == "resize":
-        body.geoms[0].size = (0.9, 0.9, 0.9)
+        geom = body.geoms[0]
+        if isinstance(geom, oo.Box):
+            geom.size = (0.9, 0.9, 0.9)
+        else:
+            geom.radius = 0.45
     elif what == "disable":
         body.geoms[0].enabled = False
 
@@ -73,13 +78,14 @@ def happen(what, scene, target):
 def test_the_same_bodies_wake_in_the_same_step_and_move_alike(scene):
     """Without auto-disable what wakes stays awake, so the sets agree step by step.
 
-    Positions agree within 5 mm, since the solver takes the contacts in another order. In the first step after the blow
-    both are in the same state, so the pairs of all that is awake after it agree too.
+    Positions of balls agree within 1 mm, of boxes within 10 mm: which points ODE takes for two boxes depends on
+    which comes first. In the first step after the blow both are in the same state, so the pairs of all that is awake
+    after it agree too.
     """
-    columns, gaps, joints, blow, target, later, second = scene
+    is_round, columns, gaps, joints, blow, target, later, second = scene
     worlds = []
     for mode in ("own", "ode"):
-        world, moving, floor, bodies = lay(mode, columns, gaps, joints)
+        world, moving, floor, bodies = lay(mode, is_round, columns, gaps, joints)
         world.step(2)
         happen(blow, (world, moving, floor, bodies), target)
         worlds.append((world, moving, floor, bodies))
@@ -95,7 +101,7 @@ def test_the_same_bodies_wake_in_the_same_step_and_move_alike(scene):
         if step == 5:
             for each in worlds:
                 happen(later, each, second)
-        assert np.abs(own.poses - ode.poses).max(initial=0.0) < 5e-3
+        assert np.abs(own.poses - ode.poses).max(initial=0.0) < (1e-3 if is_round else 1e-2)
     assert awake(own) == awake(ode)
 
 
