@@ -7,8 +7,9 @@ from cffi import FFI
 NATIVE = Path("osgode") / "native"
 UNITS = (
     *("support", "core", "glide", "geoms", "heightfield", "terrain", "polytope", "collide", "joints"),
-    *("broad", "step", "queries", "gjk", "triangles", "sweep"),
+    *("boxtree", "broad", "step", "queries", "gjk", "triangles", "sweep"),
 )
+HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "shapes.h", "ode.cdef")
 
 ffi = FFI()
 ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())
@@ -17,7 +18,9 @@ ffi.set_source(
     '#include <ode/ode.h>\n#include "core.h"\n',
     sources=[str(NATIVE / f"{name}.c") for name in UNITS],
     include_dirs=[str(NATIVE)],
-    depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "heightfield.h", "ode.cdef")],
+    depends=[
+        str(NATIVE / name) for name in ("core.h", "internal.h", "heightfield.h", "broad.h", "shapes.h", "ode.cdef")
+    ],
     libraries=["ode", "m", "dl", "pthread"],
     extra_compile_args=["-O2", "-std=gnu11", "-Wall"],
 )

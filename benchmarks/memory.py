@@ -12,7 +12,7 @@ import osgode as oo
 from benchmarks.raw import Raw
 from benchmarks.scenes import Part, Scene
 from benchmarks.timing import fresh, row
-from osgode.native import ffi
+from osgode.native import ffi, lib
 from osgode.nodes.realm import Realm
 
 AIM = 4096
@@ -27,7 +27,7 @@ ARRAYS = {
     "touched_capacity": "oo_touch",
     "event_capacity": "oo_touch",
 }
-"""The C core's own arrays; its two lists of slots are added by hand."""
+"""The C core's own arrays; its two lists of slots, and what the broad phase keeps, are added by hand."""
 
 
 def standing(count: int) -> Scene:
@@ -42,7 +42,8 @@ def core_bytes(realm: Realm) -> int:
     """What the C core has allocated beside ODE."""
     ptr = realm.ptr
     rows = sum(getattr(ptr, capacity) * ffi.sizeof(kind) for capacity, kind in ARRAYS.items())
-    return int(rows + 2 * ptr.slot_capacity * ffi.sizeof("unsigned int"))
+    slots = 2 * ptr.slot_capacity * ffi.sizeof("unsigned int")
+    return int(rows + slots + lib.oo_broad_bytes(ptr))
 
 
 def resident(pid: int | str = "self") -> int:

@@ -41,11 +41,14 @@ class Part:
     position: Vec3
     rotation: Quat = IDENTITY
     mass: float | None = None
+    asleep: bool = False
+    velocity: Vec3 = ZERO
+    spin: Vec3 = ZERO
 
 
 @dataclass(frozen=True)
 class Link:
-    """A ball joint, or the driven hinge-2 of a wheel (``other``), of bodies by number; -1: the static world."""
+    """A ball joint, or the driven hinge-2 of a wheel (``other``); bodies by number, ``other`` -1: the static world."""
 
     kind: str
     body: int
@@ -64,11 +67,13 @@ class Scene:
         name: for the table.
         settle: steps that are done before the clock runs, so that things lie as they are meant to.
         turn: steps of one turn, some 60 ms.
+        auto_disable: whether what comes to rest falls asleep.
     """
 
     name: str
     settle: int
     turn: int
+    auto_disable: bool = False
     mesh: Triangles | None = None
     static: list[Part] = field(default_factory=list)
     bodies: list[Part] = field(default_factory=list)
@@ -77,6 +82,8 @@ class Scene:
     def text(self) -> str:
         """The scene as ``benchmarks/c/raw.c`` reads it; a repr of a float gives the same bits back."""
         lines = [_line("world", STEP_SIZE, *GRAVITY, CONTACTS_PER_PAIR)]
+        if self.auto_disable:
+            lines.append("auto_disable")
         if self.mesh is None:
             lines.append(_line("plane", 0, 1, 0, 0))
         else:
@@ -87,15 +94,23 @@ class Scene:
             lines.append(_line("place", *part.position, *part.rotation, part.shape, *part.size))
         for part in self.bodies:
             lines.append(_line("body", part.mass, *part.position, *part.rotation, part.shape, *part.size))
+            if part.velocity != ZERO or part.spin != ZERO:
+                lines.append(_line("velocity", *part.velocity, *part.spin))
+            if part.asleep:
+                lines.append("asleep")
         for link in self.links:
             extra = () if link.kind == "ball" else (*link.axis, link.velocity, link.max_force, *SUSPENSION)
             lines.append(_line(link.kind, link.body, link.other, *link.anchor, *extra))
         return "\n".join([*lines, "go", ""])
 
     def world(self, broad_phase: str = "own") -> oo.World:
-        """The scene in osgode."""
+        """The scene in osgode, with pairs found by its own broad phase or by ODE's spaces."""
         world = oo.World(
-            gravity=GRAVITY, step_size=STEP_SIZE, contacts_per_pair=CONTACTS_PER_PAIR, broad_phase=broad_phase
+            gravity=GRAVITY,
+            step_size=STEP_SIZE,
+            contacts_per_pair=CONTACTS_PER_PAIR,
+            auto_disable=self.auto_disable,
+            broad_phase=broad_phase,
         )
         moving = world.attach(oo.HashSpace(name="moving"))
         fixed = world.attach(oo.SimpleSpace(name="fixed"))
@@ -109,14 +124,19 @@ class Scene:
         for part in self.bodies:
             body = moving.attach(oo.Body(position=part.position, rotation=part.rotation))
             body.attach(oo.Placeable()).attach(SHAPES[part.shape](*part.size, mass=part.mass))
+            if part.velocity != ZERO or part.spin != ZERO:
+                body.linear_velocity, body.angular_velocity = part.velocity, part.spin
+            if part.asleep:
+                body.enabled = False
             bodies.append(body)
         for link in self.links:
             other = None if link.other < 0 else bodies[link.other]
             if link.kind == "ball":
                 oo.Ball(bodies[link.body], other, anchor=link.anchor)
             else:
-                axle = oo.Hinge2(bodies[link.body], bodies[link.other], anchor=link.anchor, axis2=link.axis)
-                axle.stops1 = (0, 0)
+                axle = oo.Hinge2(
+                    bodies[link.body], bodies[link.other], anchor=link.anchor, axis2=link.axis, stops1=(0, 0)
+                )
                 axle.suspension_stiffness, axle.suspension_damping = STIFFNESS, DAMPING
                 axle.motor(link.velocity, link.max_force, axis=2)
         return world
@@ -245,10 +265,25 @@ def carts(count: int = 20) -> Scene:
     return scene
 
 
+def sleeping(count: int = 5000, moving: int = 50) -> Scene:
+    """Boxes that sleep on the ground in rows, and balls that roll in the lanes between them."""
+    scene = Scene(f"{count} asleep and {moving} moving", settle=60, turn=15, auto_disable=True)
+    columns, radius, speed = 71, 0.2, 2.0
+    for k in range(count):
+        row, column = divmod(k, columns)
+        scene.bodies.append(Part("box", (0.5, 0.5, 0.5), Vec3(column, 0.25, row), mass=60.0, asleep=True))
+    for k in range(moving):
+        place = Vec3(columns + 0.1 * k, radius, k + 0.5)
+        spin = Vec3(0, 0, speed / radius)
+        scene.bodies.append(Part("sphere", (radius,), place, mass=5.0, velocity=Vec3(-speed, 0, 0), spin=spin))
+    return scene
+
+
 SCENES: dict[str, Callable[[], Scene]] = {
     "boxes": boxes,
     "spheres": spheres,
     "chains": chains,
     "mesh": on_mesh,
     "carts": carts,
+    "sleeping": sleeping,
 }

@@ -3,7 +3,10 @@
    Reads a scene from stdin, one thing a line, up to "go":
      world STEP GX GY GZ CONTACTS      step size, gravity, contacts of a pair at most
      place X Y Z QW QX QY QZ           static: the next shape stands there
+     auto_disable                      bodies that come to rest fall asleep, by ODE's own measures
      body MASS X Y Z QW QX QY QZ       the next shape is its only part
+     asleep                            the last body, from the start
+     velocity X Y Z AX AY AZ           of the last body, linear and angular
      plane A B C D | box X Y Z | sphere R | capsule R L | cylinder R L
      mesh VERTICES TRIANGLES           followed by their numbers
      ball BODY OTHER X Y Z             bodies by number; -1: the static world
@@ -157,6 +160,13 @@ static void read_hinge2(void) {
     dJointSetHinge2Param(joint, dParamFMax2, d[7]);
 }
 
+static void read_velocity(void) {
+    double d[6];
+    read_numbers(d, 6);
+    dBodySetLinearVel(bodies[body_count - 1], d[0], d[1], d[2]);
+    dBodySetAngularVel(bodies[body_count - 1], d[3], d[4], d[5]);
+}
+
 static void read_world(void) {
     double d[5];
     read_numbers(d, 5);
@@ -176,6 +186,12 @@ static void read_scene(void) {
             read_static();
         else if (!strcmp(word, "body"))
             read_body();
+        else if (!strcmp(word, "auto_disable"))
+            dWorldSetAutoDisableFlag(world, 1);
+        else if (!strcmp(word, "asleep"))
+            dBodyDisable(bodies[body_count - 1]);
+        else if (!strcmp(word, "velocity"))
+            read_velocity();
         else if (!strcmp(word, "ball"))
             read_ball();
         else if (!strcmp(word, "hinge2"))

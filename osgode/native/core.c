@@ -78,14 +78,17 @@ void oo_world_free(oo_world *w) {
 }
 
 int oo_set_pairs(oo_world *w, const oo_pair *pairs, unsigned int count) {
-    oo_pair *copy = malloc((count + 1) * sizeof *copy);
+    oo_pair *copy = malloc(2 * ((size_t)count + 1) * sizeof *copy);
     if (!copy) return OO_NO_MEMORY;
     memcpy(copy, pairs, count * sizeof *copy);
     free(w->pairs);
     w->pairs = copy;
     w->pair_count = count;
+    w->declared = copy + count;
     w->declared_count = 0;
-    for (unsigned int i = 0; i < count; i++) w->declared_count += !copy[i].nested;
+    for (unsigned int i = 0; i < count; i++)
+        if (!copy[i].nested) w->declared[w->declared_count++] = copy[i];
+    w->pairs_are_new = 1;
     return OO_OK;
 }
 

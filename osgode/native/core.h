@@ -164,7 +164,10 @@ typedef struct oo_world {
     unsigned int free_count, retired_count, retired_ripe, slot_capacity;
 
     oo_pair *pairs;
-    unsigned int pair_count, declared_count;
+    unsigned int pair_count;
+    oo_pair *declared;              /* those of them that are not nested */
+    unsigned int declared_count;
+    int pairs_are_new;              /* since osgode's own broad phase looked last */
     int ode_broad;                  /* pairs are found by ODE's spaces, in their order */
     oo_broad *broad;
     dSurfaceParameters *surfaces;   /* 16 x 16 for pairs of materials, then own surfaces of geoms */
@@ -241,8 +244,13 @@ void oo_geom_discard(oo_world *, unsigned int slot);
 int oo_heightfield_resize(dGeomID, const double *dimensions);
 /* A geom or space from one space to another; either may be NULL. */
 void oo_rehouse(dSpaceID from, dSpaceID to, dGeomID);
-/* Wake the bodies that touched a geom in the last step: it is about to go, or has been put elsewhere. */
+/* Wake the bodies that touched a geom, or one of a body, in the last step: it is about to go or to change. */
 void oo_wake_touching(oo_world *, unsigned int slot);
+void oo_wake_touching_body(oo_world *, unsigned int index);
+/* What osgode's own broad phase keeps. */
+unsigned long long oo_broad_bytes(const oo_world *);
+/* As if nothing had touched in the last step. */
+void oo_forget_contacts(oo_world *);
 void oo_geom_set_bits(oo_world *, unsigned int slot, unsigned int category, unsigned int collide, unsigned int material);
 
 /* What geoms are made from and share. NULL if ODE refused. All is copied. */

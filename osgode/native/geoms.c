@@ -112,7 +112,17 @@ void oo_wake_touching(oo_world *w, unsigned int slot) {
         dBodyID body = other->flags & OO_ALIVE ? dGeomGetBody(other->id) : NULL;
         if (body) dBodyEnable(body);
     }
-    if (!w->ode_broad) wake_sleepers_on(w, slot);
+    wake_sleepers_on(w, slot);
+}
+
+void oo_wake_touching_body(oo_world *w, unsigned int index) {
+    for (dGeomID geom = dBodyGetFirstGeom(w->bodies[index].id); geom; geom = dBodyGetNextGeom(geom))
+        oo_wake_touching(w, (unsigned int)(size_t)dGeomGetData(geom));
+}
+
+void oo_forget_contacts(oo_world *w) {
+    w->contact_count = 0;
+    broad_forget(w);
 }
 
 /* ODE cleans the geoms at the head of a space's list up to the first that is clean, and puts at the head what is added,

@@ -141,7 +141,9 @@ HIDDEN int geoms_touch(oo_world *, unsigned int slot1, unsigned int slot2);
 enum { MOST_DECLARED = 64 }; /* pairs of spaces that osgode's own broad phase can tell apart */
 /* Contacts of all pairs that matter, by osgode's own broad phase. */
 HIDDEN int find_pairs(oo_world *);
-/* Wake the bodies that sleep on a geom. */
+/* Another way was taken: what it knows is of an older step. */
+HIDDEN void broad_forget(oo_world *);
+/* Wake the bodies that slept on a geom in the last step, if the pairs were found this way in it. */
 HIDDEN void wake_sleepers_on(oo_world *, unsigned int slot);
 HIDDEN void broad_free(oo_world *);
 

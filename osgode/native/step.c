@@ -32,14 +32,19 @@ static void note_touch(oo_world *w, unsigned int slot1, unsigned int slot2, unsi
                         .count = count};
 }
 
+static int may_touch(const oo_geom *a, const oo_geom *b) {
+    if (!(a->category & b->collide) || !(b->category & a->collide)) return 0;
+    unsigned int either = a->flags | b->flags;
+    if (a->flags & b->flags & OO_IS_RAY) return 0;
+    dBodyID body1 = dGeomGetBody(a->id), body2 = dGeomGetBody(b->id);
+    if (body1 == body2 && (body1 || !(either & OO_IS_RAY))) return 0; /* a ray that stands still sees what stands still */
+    return !(body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact));
+}
+
 void meet_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     const oo_geom *a = &w->geoms[slot1], *b = &w->geoms[slot2];
-    if (!(a->category & b->collide) || !(b->category & a->collide)) return;
+    if (!may_touch(a, b)) return;
     unsigned int either = a->flags | b->flags, both = a->flags & b->flags;
-    if (both & OO_IS_RAY) return;
-    dBodyID body1 = dGeomGetBody(a->id), body2 = dGeomGetBody(b->id);
-    if (body1 == body2 && (body1 || !(either & OO_IS_RAY))) return; /* a ray that stands still sees what stands still */
-    if (body1 && body2 && dAreConnectedExcluding(body1, body2, dJointTypeContact)) return;
     /* ODE's depth depends on the order of two cylinders; and rays come first */
     if ((both & OO_IS_CYLINDER && slot2 < slot1) || b->flags & OO_IS_RAY) {
         unsigned int slot = slot1;
@@ -80,6 +85,7 @@ void meet_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
 
 int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
     dContactGeom one;
+    if (!may_touch(&w->geoms[slot1], &w->geoms[slot2])) return 0;
     if (guard_enter()) {
         lock_meshes(0);
         return 1;
@@ -96,7 +102,7 @@ int geoms_touch(oo_world *w, unsigned int slot1, unsigned int slot2) {
 static void on_near(void *data, dGeomID g1, dGeomID g2) {
     if (dGeomIsSpace(g1) || dGeomIsSpace(g2))
         dSpaceCollide2(g1, g2, data, on_near);
-    else
+    else if (dGeomIsEnabled(g1) && dGeomIsEnabled(g2)) /* of two spaces, ODE asks the geoms of one only */
         meet_pair(data, (unsigned int)(size_t)dGeomGetData(g1), (unsigned int)(size_t)dGeomGetData(g2));
 }
 
@@ -121,6 +127,7 @@ static int collide(oo_world *w) {
         guard_leave();
         return status;
     }
+    broad_forget(w);
     for (unsigned int i = 0; i < w->pair_count; i++) {
         if (w->pairs[i].other)
             dSpaceCollide2((dGeomID)w->pairs[i].space, (dGeomID)w->pairs[i].other, w, on_near);
@@ -221,6 +228,7 @@ static int respond(oo_world *w) {
     unsigned int listened = 0;
     for (unsigned int i = 0; i < w->touching_count; i++) listened += w->touching[i].count;
     if (reserve(&w->feedback, &w->feedback_capacity, listened, sizeof *w->feedback)) return OO_NO_MEMORY;
+    if (listened) memset(w->feedback, 0, listened * sizeof *w->feedback); /* ODE writes none for what sleeps */
     w->feedback_count = 0;
     for (unsigned int i = 0; i < w->touching_count; i++)
         for (unsigned int k = 0; k < w->touching[i].count; k++) {

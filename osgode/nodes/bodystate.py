@@ -126,6 +126,17 @@ def _by_hand(write: Callable[[BodyState, Any], object]) -> Callable[[BodyState, 
     return stop_and_write
 
 
+def _moved_by_hand(write: Callable[[BodyState, Any], None]) -> Callable[[BodyState, Any], None]:
+    """`_by_hand`, and what slept on it wakes too: it may have lost its support."""
+    put = _by_hand(write)
+
+    def write_and_wake_all(body: BodyState, value: Any) -> None:
+        lib.oo_wake_touching_body(body._live("moving").ptr, body._index)
+        put(body, value)
+
+    return write_and_wake_all
+
+
 def _write_kinematic(body: BodyState, value: bool) -> None:
     if value:
         lib.dBodySetKinematic(body._id)
@@ -218,14 +229,14 @@ class BodyState(PhysicsNode):
         IDENTITY,
         ROTATION,
         _read_rotation,
-        _by_hand(_write_rotation),
+        _moved_by_hand(_write_rotation),
         doc="Quaternion (w, x, y, z) from body axes to world axes.",
     )
     position = VectorField(
         ZERO,
         vector(POSITION_LIMIT),
         read_position,
-        _by_hand(write_position),
+        _moved_by_hand(write_position),
         unit="m",
         doc="Of the body's frame, in the world.",
     )

@@ -29,7 +29,7 @@ from osgode.nodes.placeable import Placeable
 from osgode.nodes.touch import Listening, contact_rows, listening_above
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from osgode.graph.node import Group
     from osgode.mass import Mass
@@ -65,6 +65,16 @@ def _drawables(value: Any) -> tuple[Drawable, ...]:
     if not all(isinstance(d, Drawable) for d in drawables):
         raise TypeError
     return drawables
+
+
+def waking(write: Callable[[Any, Any], object]) -> Callable[[Any, Any], None]:
+    """Wake what touches a geom before it is changed: what slept on it may lose its support."""
+
+    def wake_and_write(geom: Any, value: Any) -> None:
+        lib.oo_wake_touching(geom._realm.ptr, geom._slot)
+        write(geom, value)
+
+    return wake_and_write
 
 
 class GeomFields(TypedDict, total=False):
@@ -106,7 +116,7 @@ class Geom(Listening):
         True,
         FLAG,
         lambda geom: bool(lib.dGeomIsEnabled(geom._id)),
-        lambda geom, value: lib.dGeomEnable(geom._id) if value else lib.dGeomDisable(geom._id),
+        waking(lambda geom, value: lib.dGeomEnable(geom._id) if value else lib.dGeomDisable(geom._id)),
         doc="Whether it collides.",
     )
     sensor = FlagField(
@@ -286,6 +296,7 @@ class Geom(Listening):
 
     def _marked(self) -> None:
         if self._realm is not None:
+            lib.oo_wake_touching(self._realm.ptr, self._slot)
             lib.oo_geom_set_bits(
                 self._realm.ptr,
                 self._slot,

@@ -9,7 +9,7 @@ from osgode.fields import DIRECTION, POSITION_LIMIT, NumberField, VectorField, n
 from osgode.graph.shapes import plane_drawable
 from osgode.maths import Vec3, Vec3Like
 from osgode.native import ffi, lib
-from osgode.nodes.geom import Geom, GeomFields
+from osgode.nodes.geom import Geom, GeomFields, waking
 
 if TYPE_CHECKING:
     from osgode.graph.drawable import Drawable
@@ -40,7 +40,7 @@ class Plane(Geom):
         Vec3(0.0, 1.0, 0.0),
         DIRECTION,
         lambda geom: Vec3(*_params(geom)[:3]),
-        lambda geom, value: lib.dGeomPlaneSetParams(geom._id, *value, _params(geom)[3]),
+        waking(lambda geom, value: lib.dGeomPlaneSetParams(geom._id, *value, _params(geom)[3])),
         after="_relooked",
         doc="Unit vector out of the ground.",
     )
@@ -48,7 +48,7 @@ class Plane(Geom):
         0.0,
         number(-POSITION_LIMIT, POSITION_LIMIT),
         lambda geom: _params(geom)[3],
-        lambda geom, value: lib.dGeomPlaneSetParams(geom._id, *_params(geom)[:3], value),
+        waking(lambda geom, value: lib.dGeomPlaneSetParams(geom._id, *_params(geom)[:3], value)),
         after="_relooked",
         unit="m",
         doc="Of the plane from the origin along the normal.",

@@ -9,7 +9,7 @@ from osgode.graph.shapes import box_drawable, capsule_drawable, cylinder_drawabl
 from osgode.mass import Mass
 from osgode.maths import Vec3, Vec3Like
 from osgode.native import ffi, lib
-from osgode.nodes.geom import Geom, GeomFields
+from osgode.nodes.geom import Geom, GeomFields, waking
 
 if TYPE_CHECKING:
     from osgode.graph.drawable import Drawable
@@ -34,7 +34,7 @@ class Box(Geom):
         Vec3(1.0, 1.0, 1.0),
         SIZE,
         _box_size,
-        lambda geom, value: lib.dGeomBoxSetLengths(geom._id, *value),
+        waking(lambda geom, value: lib.dGeomBoxSetLengths(geom._id, *value)),
         after="_resized",
         unit="m",
         doc="Lengths of the edges.",
@@ -71,7 +71,7 @@ class Sphere(Geom):
         0.5,
         LENGTH,
         lambda geom: lib.dGeomSphereGetRadius(geom._id),
-        lambda geom, value: lib.dGeomSphereSetRadius(geom._id, value),
+        waking(lambda geom, value: lib.dGeomSphereSetRadius(geom._id, value)),
         after="_resized",
         unit="m",
     )
@@ -109,7 +109,7 @@ class _Round(Geom):
         0.5,
         LENGTH,
         lambda geom: geom._params()[0],
-        lambda geom, value: geom._WRITE(geom._id, value, geom._params()[1]),
+        waking(lambda geom, value: geom._WRITE(geom._id, value, geom._params()[1])),
         after="_resized",
         unit="m",
     )
@@ -117,7 +117,7 @@ class _Round(Geom):
         1.0,
         LENGTH,
         lambda geom: geom._params()[1],
-        lambda geom, value: geom._WRITE(geom._id, geom._params()[0], value),
+        waking(lambda geom, value: geom._WRITE(geom._id, geom._params()[0], value)),
         after="_resized",
         unit="m",
         doc="Along z; of a capsule the cylindrical part alone.",

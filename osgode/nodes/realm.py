@@ -226,8 +226,7 @@ class Realm:
     def close(self) -> None:
         """Turn every live node into plain data and free all natives."""
         self.broken = False  # what goes may go; C leaks what it can't free
-        self.ptr.contact_count = 0  # so that nothing is woken by what goes
-        self.ptr.ode_broad = 1
+        lib.oo_forget_contacts(self.ptr)  # so that nothing is woken by what goes
         for node in reversed(list(self.members)):
             node._leave()
         lib.oo_world_free(self.ptr)

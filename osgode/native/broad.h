@@ -1,0 +1,53 @@
+/* What the broad phase and its tree of boxes share. */
+
+#ifndef OSGODE_BROAD_H
+#define OSGODE_BROAD_H
+
+#include "internal.h"
+
+enum { NONE = -1 };
+
+typedef struct box { double low[3], high[3]; } box;
+
+static inline int overlap(const box *a, const box *b) {
+    return a->low[0] <= b->high[0] && b->low[0] <= a->high[0] && a->low[1] <= b->high[1] && b->low[1] <= a->high[1] &&
+           a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
+}
+
+typedef struct slots { unsigned int *at, count, capacity; } slots;
+
+static inline int put_slot(slots *s, unsigned int slot) {
+    if (reserve(&s->at, &s->capacity, s->count + 1, sizeof *s->at)) return OO_NO_MEMORY;
+    s->at[s->count++] = slot;
+    return OO_OK;
+}
+
+typedef struct node {
+    box box;
+    int parent, children[2]; /* of a leaf: NONE and the slot */
+} node;
+
+/* Boxes by slot. It holds as many as it was given, wherever they are; finding is quick where they lie apart. */
+typedef struct box_tree {
+    node *nodes;
+    unsigned int count, capacity;
+    int root, free;
+    unsigned int leaves, changes; /* since it was built */
+} box_tree;
+
+HIDDEN void tree_start(box_tree *);
+/* The new leaf, or NONE if memory is out. */
+HIDDEN int tree_plant(box_tree *, const box *, unsigned int slot);
+HIDDEN void tree_uproot(box_tree *, int leaf);
+/* Whether it has been changed so much that it is worth building anew. */
+HIDDEN int tree_is_worn(const box_tree *);
+/* Built anew of all its leaves, which get other numbers; leaf_of tells where the number of a slot's leaf is kept. */
+HIDDEN int tree_rebuild(box_tree *, int *(*leaf_of)(void *, unsigned int slot), void *);
+/* The slots whose boxes meet a box, in their order. */
+HIDDEN int tree_find(const box_tree *, const box *, slots *);
+/* Visit the slots whose boxes meet what is wanted, which may shrink on the way. */
+HIDDEN void tree_visit(const box_tree *, int (*meets)(const box *, const void *), const void *wanted,
+                       void (*visit)(void *, unsigned int slot), void *data);
+HIDDEN void tree_clear(box_tree *);
+
+#endif
