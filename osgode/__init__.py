@@ -1,5 +1,9 @@
 """A scene graph joined with the Open Dynamics Engine: rigid bodies as nodes of a tree."""
 
+from osgode.assemblies.base import Assembly
+from osgode.assemblies.chains import Chain, chain
+from osgode.assemblies.ragdolls import Ragdoll, ragdoll
+from osgode.assemblies.wheels import Wheel, suspension_wheel
 from osgode.errors import (
     FieldError,
     MissingExtraError,
@@ -59,11 +63,13 @@ __all__ = [
     "PUBLISHED",
     "AngularMotor",
     "Appearance",
+    "Assembly",
     "Ball",
     "Bin",
     "Body",
     "Box",
     "Capsule",
+    "Chain",
     "CullVisitor",
     "Cylinder",
     "DoubleBall",
@@ -103,6 +109,7 @@ __all__ = [
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
+    "Ragdoll",
     "Reaction",
     "Rectangle",
     "Servo",
@@ -130,9 +137,11 @@ __all__ = [
     "Vec3Like",
     "View",
     "Visitor",
+    "Wheel",
     "World",
     "box_drawable",
     "capsule_drawable",
+    "chain",
     "cylinder_drawable",
     "define_kind",
     "define_material",
@@ -140,5 +149,7 @@ __all__ = [
     "load_model",
     "load_texture",
     "look_at",
+    "ragdoll",
     "sphere_drawable",
+    "suspension_wheel",
 ]
