@@ -116,7 +116,7 @@ class Buggy(Example):
         self.hardest = max(self.hardest, *(wheel.compression for wheel in self.wheels.values()))
         self.highest = max(self.highest, self.chassis.linear_velocity.length)
         self.leaned = max(self.leaned, math.acos(min(self.chassis.vector_to_world((0, 1, 0)).y, 1.0)))
-        target = self.chassis.position + (0.0, 0.35, 0.0)
+        target = self.chassis.position + oo.Vec3(0.0, 0.35, 0.0)
         self.camera.target += (target - self.camera.target) * 0.08
 
     def check(self) -> None:

@@ -14,7 +14,7 @@ from osgode.examples.runner import Example, Orbit, expect, look, run
 
 SPAN, DECK, HALF = 4.6, 4.8, 0.75
 """Half of the gap between the cliffs, the height of its edges, and half of the bridge's width, metres."""
-LINKS, LENGTH, RAIL = 18, 10.1, 9.9
+LINKS, LENGTH, RAIL = 18, 10.1, 10.8
 """Links of a chain, its length, and that of a handrail, metres."""
 PLANK = (0.44, 0.06, 2 * HALF - 0.16)
 CUT = 6.0
@@ -32,7 +32,7 @@ class Bridge(Example):
 
     def build(self) -> None:
         """Cliffs, chains, planks, ropes, and what falls."""
-        self.camera = Orbit(oo.Vec3(0.3, 2.9, 0.0), 13.2, yaw=0.42, pitch=0.2, turn=-0.02)
+        self.camera = Orbit(oo.Vec3(0.3, 3.0, 0.0), 13.2, yaw=0.42, pitch=0.33, turn=-0.02)
         self.fixed.attach(oo.Plane(material="earth", appearance=look("grass", scale=3.0, shine=0.0)))
         for side in (-1.0, 1.0):
             self.block((side * (SPAN + 1.6), DECK / 2, 0.0), (3.0, DECK, 5.0), "brick", (0.9, 0.85, 0.8))
@@ -63,16 +63,16 @@ class Bridge(Example):
                     joint="universal", name=f"chain {side:+.0f}",
                 )
             )  # fmt: skip
-            high = DECK + 1.15
+            first, last = (oo.Vec3(end * (SPAN + 0.33), DECK + 1.15, 1.13 * z) for end in (-1.0, 1.0))
             self.rails.append(
                 oo.chain(
-                    self.moving, (-SPAN - 0.33, high, z * 1.13), (SPAN + 0.33, high, z * 1.13), length=RAIL + 0.9, links=30,
-                    radius=0.025, mass=6.0, appearance=hemp, damping=0.003, name=f"rail {side:+.0f}",
+                    self.moving, first, last, length=RAIL, links=30, radius=0.025, mass=6.0, damping=0.003,
+                    appearance=hemp, name=f"rail {side:+.0f}",
                 )
             )  # fmt: skip
-        first, second = self.chains
+        near, far = self.chains
         self.planks = []
-        for k, (link, other) in enumerate(zip(first.links, second.links, strict=True)):
+        for k, (link, other) in enumerate(zip(near.links, far.links, strict=True)):
             middle = (link.position + other.position) / 2
             plank = self.moving.attach(oo.Body(name=f"plank {k}", position=middle, rotation=link.rotation))
             # A link's z axis points along the chain, its y axis to the side.

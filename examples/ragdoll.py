@@ -68,7 +68,7 @@ class Stairs(Example):
                 name=f"doll {k}",
             )
             self.dolls.append(doll)
-            ball = self.moving.attach(oo.Body(name=f"ball {k}", position=place + (0.05, 1.25, -1.3)))
+            ball = self.moving.attach(oo.Body(name=f"ball {k}", position=place + oo.Vec3(0.05, 1.25, -1.3)))
             ball.attach(oo.Placeable()).attach(
                 oo.Sphere(
                     0.16, material="rubber", mass=12.0, appearance=oo.Appearance((0.93, 0.62, 0.2, 1.0), shininess=0.4)

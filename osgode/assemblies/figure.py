@@ -132,7 +132,7 @@ MIDDLE_LINKS = {
     ),
 }
 SIDE_LINKS = {
-    # Abduction up to 180 and flexion up to 180: the motor's angle in the middle must stay off 90, the outer off 180.
+    # Ours lifts by 180 both ways. Here the motor's middle angle must stay off 90, and the outer ones off 180.
     "shoulder": Link(
         "torso",
         "upper arm",

@@ -17,6 +17,7 @@ from osgode.joints.anchored import Anchored
 from osgode.joints.ball import Ball
 from osgode.joints.base import Joint
 from osgode.joints.hinge import Hinge
+from osgode.joints.limits import STRONGEST_AT_STOP
 from osgode.joints.motors import AngularMotor
 from osgode.joints.universal import Universal
 from osgode.maths import IDENTITY, ZERO, Pose, Quat, QuatLike, Vec3, Vec3Like
@@ -96,7 +97,8 @@ class Ragdoll(Assembly[Space]):
 
     @tone.setter
     def tone(self, value: float) -> None:
-        part = number(0.0, 1e6)(self.describe(), "tone", value)
+        most = min(1e6, STRONGEST_AT_STOP / max(self._moments.values()))
+        part = number(0.0, most)(self.describe(), "tone", value)
         for name, movements in self._axes.items():
             for axis in movements.values():
                 setattr(axis.joint, f"motor_max_force{axis.number}", part * self._moments[name])
@@ -117,10 +119,12 @@ def ragdoll(
 ) -> Ragdoll:
     """Put up a human body that stands upright, looks along its -Z, and will fall.
 
-    Its figures and their sources are in `osgode.assemblies.figure`. Parts: "pelvis", "torso", "head", and "left ..."
-    and "right ..." "upper arm", "forearm", "hand", "thigh", "shank", "foot". Joints: "waist", "neck", and "shoulder",
-    "elbow", "wrist", "hip", "knee", "ankle" of each side. Elbows and knees are hinges, wrists and ankles universal
-    joints; the others are ball joints, each with an `AngularMotor` of the same name and " range" that stops them.
+    Its figures and their sources (Winter; Drillis and Contini; the AAOS) are in `osgode.assemblies.figure`.
+
+    Parts: "pelvis", "torso", "head", and "left ..." and "right ..." "upper arm", "forearm", "hand", "thigh", "shank",
+    "foot". Joints: "waist", "neck", and "shoulder", "elbow", "wrist", "hip", "knee", "ankle" of each side. Elbows and
+    knees are hinges, wrists and ankles universal joints; the others are ball joints, each with an `AngularMotor` of the
+    same name and " range" that stops them.
 
     Args:
         parent: the space, or World, that its own space is put under.
@@ -141,8 +145,6 @@ def ragdoll(
     space = check_parent(call, parent)
     size, kg = number(0.01, 1000.0)(call, "height", height), MASS(call, "mass", mass)
     place = Pose(vector(POSITION_LIMIT)(call, "position", position), ROTATION(call, "rotation", rotation))
-    firmness = number(0.0, 1e6)(call, "tone", tone)
-
     figure = _Figure(place, size, kg, _worn(call, looks), geom)
 
     own, parts = SimpleSpace(name=name), {}
@@ -156,9 +158,9 @@ def ragdoll(
             joints, axes[joint] = figure.join(joint, side, link, near, far)
             for each in joints:
                 made.add(each)
+        doll = Ragdoll(own, list(parts.values()), made.joints, axes)
+        doll.tone = tone
         space.attach(own)
-    doll = Ragdoll(own, list(parts.values()), made.joints, axes)
-    doll.tone = firmness
     return doll
 
 

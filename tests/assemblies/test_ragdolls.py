@@ -1,6 +1,7 @@
 """Ragdolls: where every limb is and how heavy, how far joints bend and which way, and that they hold together."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -363,7 +364,8 @@ WRONG = [
     ({"mass": -1.0}, r"ragdoll\(\).mass is -1.0"),
     ({"position": (0, 0)}, r"ragdoll\(\).position is \(0, 0\)"),
     ({"rotation": (0, 0, 0, 0)}, r"ragdoll\(\).rotation is \(0, 0, 0, 0\)"),
-    ({"tone": -0.5}, r"ragdoll\(\).tone is -0.5"),
+    ({"tone": -0.5}, "tone is -0.5"),
+    ({"tone": 0.5, "mass": 1e12}, "tone is 0.5; it must be a number from 0 to 0"),
     ({"looks": {"hat": oo.Appearance()}}, r"ragdoll\(\).looks has 'hat': .*'skin', 'shirt', 'trousers', 'shoes'"),
     ({"looks": {"skin": "green"}}, r"ragdoll\(\).looks has 'skin': 'green'"),
     ({"material": "cheese"}, "material is 'cheese'"),
@@ -382,3 +384,15 @@ def test_bad_arguments_of_ragdolls_are_refused_and_nothing_is_changed(arguments,
 def test_a_ragdoll_needs_a_space_or_a_world():
     with pytest.raises(oo.TreeError, match=r"ragdoll\(\).parent is <Group>"):
         oo.ragdoll(oo.Group())
+
+
+def test_the_page_tells_the_ranges():
+    """The table of docs/assemblies.md, row by row."""
+    page = (Path(__file__).parents[2] / "docs" / "assemblies.md").read_text()
+    for name, link in (figure.MIDDLE_LINKS | figure.SIDE_LINKS).items():
+        told = [
+            f"{each.name} {each.high:g}" if each.low == -each.high else f"{each.name} {each.low:g} to {each.high:g}"
+            for each in link.movements
+        ]
+        kind = {1: "hinge", 2: "universal", 3: "ball and motor"}[len(told)]
+        assert f"| {name} | {kind} | {', '.join(told)} |" in page
