@@ -52,6 +52,7 @@ def test_the_number_of_links_follows_from_their_length():
     """By ``link_length`` as near as it goes, or by 8 radii."""
     _, space = empty()
     assert len(oo.chain(space, (0, 0, 0), (1, 0, 0), link_length=0.3).links) == 3
+    assert len(oo.chain(space, (0, 0, 0), (1, 0, 0), link_length=0.28).links) == 4
     assert len(oo.chain(space, (0, 0, 0), (1, 0, 0), radius=0.025).links) == 5
     assert len(oo.chain(space, (0, 0, 0), (0.01, 0, 0), radius=0.001, link_length=1.0).links) == 1
 

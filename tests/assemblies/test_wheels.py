@@ -115,6 +115,18 @@ def test_the_chassis_sags_by_m_g_over_k(shape, step_size):
         assert wheel.hub.position.y == pytest.approx(RADIUS, abs=1e-4)
 
 
+def test_the_load_is_what_bears_the_chassis_also_while_it_moves():
+    """While the car sinks into its springs: the loads less the weight are mass times acceleration."""
+    world, space = ground(solver="exact")
+    chassis, wheels = car(space)
+    for _ in range(12):
+        before = chassis.linear_velocity.y
+        world.step()
+        pushed = MASS * ((chassis.linear_velocity.y - before) / world.step_size + DOWN)
+        assert sum(wheel.load for wheel in wheels.values()) == pytest.approx(pushed, rel=1e-3, abs=1.0)
+    assert abs(chassis.linear_velocity.y) > 0.05
+
+
 def test_a_load_behind_presses_the_rear_springs():
     """50 kg over the rear axle: the rear wheels bear it all."""
     world, space = ground(solver="exact")
