@@ -19,7 +19,7 @@ MODE = choice(*MODES)
 RADIUS = optional(number(*SIZE_LIMITS))
 
 
-class TransmissionFields(JointFields, SpringFields):
+class TransmissionFields(JointFields, SpringFields, total=False):
     """The keyword arguments of `Transmission` beside its anchors and axes."""
 
     ratio: float
