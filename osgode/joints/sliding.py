@@ -140,6 +140,9 @@ class PU(Turning1, Turning2, Sliding3, Anchored):
     Parameters with a 1 and 2 are those of turning about ``axis1`` and ``axis2`` (rad, N m), as in `Universal`; those
     with a 3 are of sliding along ``axis3`` (m, N).
 
+    ODE's equations leave out that ``axis3`` turns with ``body1``: while it is slid out by x and turns at w, the anchor
+    stays about ``w x step_size / erp`` beside the axis (`error`).
+
     Args:
         body1: the first body.
         body2: the second body, None for the static world.

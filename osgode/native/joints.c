@@ -360,7 +360,7 @@ static void read_hinge2(dJointID id, const double *w, double *position, double *
     rate[0] = -rate[0];
     rate[1] = -rate[1];
     position[0] = -dJointGetHinge2Angle1(id);
-    position[1] = -dJointGetHinge2Angle2(id);
+    position[1] = dJointGetHinge2Angle2(id); /* this one is that of the wheel in ODE too, unlike its rate */
     for (int k = 0; k < 3; k++) position[2] += axis1[k] * (b[k] - a[k]);
     drift(id, b, b, velocity);
     rate[2] = -dot(axis1, velocity);
