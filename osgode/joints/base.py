@@ -130,9 +130,9 @@ class Joint(HasFields):
                 raise TreeError(
                     f"{self.describe()}: {which} is {shown(body)}; it must be a Body" + " or None" * (not needed)
                 )
-        if body1 is body2:
+        if isinstance(body1, Body) and body1 is body2:
             raise TreeError(
-                f"{self.describe()}: body1 and body2 are both {shown(body1)}; a joint needs two different bodies"
+                f"{self.describe()}: body1 and body2 are both {body1.describe()}; a joint needs two different bodies"
             )
 
     def describe(self) -> str:
@@ -264,6 +264,7 @@ class Joint(HasFields):
 
     def _make(self, realm: Realm) -> None:
         with realm.editing():
+            spots, how = self._layout()
             second = ffi.NULL if self._body2 is None else self._body2._id
             native = lib.oo_joint_new(realm.ptr, self.KIND, self._body1._id, second)
             if native == ffi.NULL:
@@ -272,7 +273,6 @@ class Joint(HasFields):
             self._realm = realm
             realm.add_joint(self)
             with AtRest(realm, self._bodies, self._rest):
-                spots, how = self._layout()
                 at = self._rest[0].inverse().transform(self._load_point()) - self._body1._com
                 status = lib.oo_joint_place(native, spots, how, tuple(at))
             if status < 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Unpack
 
 from osgode.errors import FieldError, StateError
@@ -16,6 +17,8 @@ from osgode.nodes.body import Body
 
 MODES = ("parallel", "intersecting", "chain")
 MODE = choice(*MODES)
+RIGHT, LESS = 1e-4, 1e-6
+"""Radians within which two axes are at a right angle, and by which ODE needs them to be at less."""
 RADIUS = optional(number(*SIZE_LIMITS))
 
 
@@ -38,7 +41,8 @@ class Transmission(Joint):
 
     - "parallel": gears on parallel axes, whose radii are in the relation ``ratio`` = radius1 / radius2: ``body2`` turns
       ``ratio`` times as fast, the other way round.
-    - "intersecting": bevel gears; the radii follow from where the planes of the wheels meet.
+    - "intersecting": bevel gears; the radii follow from where the planes of the wheels meet. Outwards from where the
+      axes meet they stand at no more than a right angle.
     - "chain": sprockets of ``radius1`` and ``radius2``: ``body2`` turns radius1 / radius2 times as fast, the same way.
 
     Args:
@@ -123,6 +127,13 @@ class Transmission(Joint):
                         f"{self.describe()}.{name} is {tuple(spots[name])}, in the plane of the other wheel; "
                         "it must be off that plane, by the radius of its wheel"
                     )
+            between = _facing(spots)
+            if between < -RIGHT:
+                raise FieldError(
+                    f"{self.describe()}.axis2 is {tuple(spots['axis2'])}; outwards from where the axes of the wheels meet "
+                    f"it stands at {math.degrees(math.acos(between)):.1f} degrees to axis1={tuple(spots['axis1'])}; "
+                    "ODE can do at most 90"
+                )
             return spots
         if spots["axis1"].dot(spots["axis2"]) < 0.9999:
             raise FieldError(
@@ -134,12 +145,16 @@ class Transmission(Joint):
                 f"{self.describe()}.anchor2 is {tuple(spots['anchor2'])}; it must lie in the plane of the first wheel, "
                 f"through anchor1={tuple(spots['anchor1'])} across axis1={tuple(spots['axis1'])}, and beside anchor1"
             )
-        return spots | {"axis2": spots["axis1"]}
+        spots = spots | {"axis2": spots["axis1"]}
+        if self._ready:
+            self._check_gears(spots)
+        return spots
 
     def _complete(self) -> None:
         self._check_gears()
 
-    def _check_gears(self) -> None:
+    def _check_gears(self, spots: dict[str, Vec3] | None = None) -> None:
+        spots = self._spots if spots is None else spots
         chain = self._mode == "chain"
         for name in ("radius1", "radius2"):
             if chain != (getattr(self, name) is not None):
@@ -147,12 +162,31 @@ class Transmission(Joint):
                 raise FieldError(f"{self.describe()}: the mode {self._mode!r} {what} {name}")
         if self._mode != "parallel" and self.ratio != 1.0:
             raise FieldError(f"{self.describe()}.ratio is {self.ratio:g}; only the mode 'parallel' can be given one")
-        apart = self._spots["anchor1"].distance(self._spots["anchor2"])
-        if chain and abs((self.radius1 or 0.0) - (self.radius2 or 0.0)) >= apart:
+        if not chain:
+            return
+        apart = spots["anchor1"].distance(spots["anchor2"])
+        if abs((self.radius1 or 0.0) - (self.radius2 or 0.0)) >= apart:
             raise FieldError(
                 f"{self.describe()}: radius1={self.radius1} and radius2={self.radius2} differ by more than the "
                 f"{apart:g} m between the anchors"
             )
+        if abs(self._out_of_plane(spots)) > 1e-3:
+            raise FieldError(
+                f"{self.describe()}.axis1 is {tuple(spots['axis1'])}, with anchor1={tuple(spots['anchor1'])} and "
+                f"anchor2={tuple(spots['anchor2'])}; ODE does chains about y, about z between anchors along x, and about "
+                "x between anchors along y"
+            )
+
+    def _out_of_plane(self, spots: dict[str, Vec3]) -> float:
+        """The part along its axis of the way from the middle of a sprocket to where ODE has the chain leave it.
+
+        It multiplies by a matrix of unit vectors where its transpose is meant, which is right for some directions only.
+        """
+        way, axis = spots["anchor1"] - spots["anchor2"], spots["axis1"]
+        along = way.normalized()
+        cosine = ((self.radius2 or 0.0) - (self.radius1 or 0.0)) / way.length
+        leaves = Vec3(cosine, 0.0, math.sqrt(1.0 - cosine * cosine))
+        return axis.dot((along.dot(leaves), axis.dot(leaves), along.cross(axis).dot(leaves)))
 
     def _regear(self) -> None:
         if not self._ready:
@@ -162,8 +196,30 @@ class Transmission(Joint):
 
     def _layout(self) -> tuple[list[float], list[int]]:
         self._check_gears()
-        flat, _ = super()._layout()
-        return [*flat, self.ratio, self.radius1 or 0.0, self.radius2 or 0.0], [MODES.index(self._mode)]
+        first, second = self._signs
+        spots = self._spots | {"axis1": self._spots["axis1"] * first, "axis2": self._spots["axis2"] * second}
+        if self._mode == "intersecting":
+            spots["axis2"] = self._below_a_right_angle(spots["axis2"])
+        flat = [value for name in self.SPOTS for value in spots[name]]
+        numbers = [MODES.index(self._mode), int(first), int(second)]
+        return [*flat, self.ratio, self.radius1 or 0.0, self.radius2 or 0.0], numbers
+
+    def _below_a_right_angle(self, axis2: Vec3) -> Vec3:
+        """The second axis of bevel gears, so that the axes as they stand now are at less than a right angle.
+
+        ODE turns one of two axes round that are at more than one, and does so by rounding where they are at exactly one.
+        """
+        first, second = self._signs
+        now = self.axis1 * first
+        lacking = LESS - now.dot(self.axis2 * second)
+        if lacking <= 0.0 or self._body2 is None:
+            return axis2
+        return (axis2 + self._rest[1].rotation.rotate(self._body2.vector_to_local(now)) * lacking).normalized()
+
+    @property
+    def _signs(self) -> tuple[float, float]:
+        """Which way ODE has the axes."""
+        return _bevel_signs(self._spots) if self._mode == "intersecting" else (1.0, 1.0)
 
     # -- what it reads
 
@@ -197,9 +253,27 @@ class Transmission(Joint):
     def error(self) -> float:
         """How far the teeth are off each other, or the chain is stretched, beyond the backlash, metres."""
         row = self._read("error")
-        first, second = (radius * angle for radius, angle in zip(self.radii, row.position[0:2], strict=True))
+        first, second = (
+            sign * radius * angle
+            for sign, radius, angle in zip(self._signs, self.radii, row.position[0:2], strict=True)
+        )
         off: float = abs(first - second if self._mode == "chain" else first + second)
         return max(0.0, off - self.backlash)
+
+
+def _bevel_signs(spots: dict[str, Vec3]) -> tuple[float, float]:
+    """Which way round ODE needs the axes: each must point to the side of its wheel where the other one is.
+
+    For axes of any other direction it corrects the error of the teeth the wrong way, so that it grows.
+    """
+    way = spots["anchor2"] - spots["anchor1"]
+    return math.copysign(1.0, way.dot(spots["axis1"])), math.copysign(1.0, -way.dot(spots["axis2"]))
+
+
+def _facing(spots: dict[str, Vec3]) -> float:
+    """The cosine of the angle between the axes, each pointing to the side of the other wheel."""
+    first, second = _bevel_signs(spots)
+    return first * second * spots["axis1"].dot(spots["axis2"])
 
 
 def _bevel_radii(spots: dict[str, Vec3]) -> tuple[float, float]:

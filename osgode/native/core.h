@@ -75,7 +75,8 @@ typedef struct oo_joint {
     double break_force, break_torque; /* infinite: it doesn't break */
     int has_servo;
     oo_servo servo;
-    int euler, axis_count, axis_of[3]; /* of motors: an axis is that of the world (0), of body 1 or of body 2 */
+    int euler, axis_count, axis_of[3]; /* of motors: an axis is that of the world (0), of body 1 or of body 2;
+                                          of transmissions: 1, or -1 where ODE has it the other way */
     double axes[3][3], references[2][3];
     dJointFeedback feedback;
 } oo_joint;

@@ -105,8 +105,12 @@ static void place_motor(oo_joint *joint, const double *s, const int *how) {
     }
 }
 
-static void place_transmission(dJointID id, const double *s, int mode) {
+static void place_transmission(oo_joint *joint, const double *s, const int *how) {
     static const int modes[] = {dTransmissionParallelAxes, dTransmissionIntersectingAxes, dTransmissionChainDrive};
+    dJointID id = joint->id;
+    int mode = how[0];
+    joint->axis_of[0] = how[1];
+    joint->axis_of[1] = how[2];
     dJointSetTransmissionMode(id, modes[mode]);
     dJointSetTransmissionAnchor1(id, XYZ(s));
     dJointSetTransmissionAnchor2(id, XYZ(s + 3));
@@ -172,7 +176,7 @@ int oo_joint_place(oo_joint *joint, const double *s, const int *how, const doubl
             dJointSetDHingeAnchor1(id, XYZ(s));
             dJointSetDHingeAnchor2(id, XYZ(s + 3));
             break;
-        case OO_TRANSMISSION: place_transmission(id, s, how[0]); break;
+        case OO_TRANSMISSION: place_transmission(joint, s, how); break;
     }
     guard_leave();
     return OO_OK;
@@ -369,12 +373,13 @@ static void read_hinge2(dJointID id, const double *w, double *position, double *
 static void read_transmission(const oo_world *world, const oo_joint *joint, double *angle, double *rate) {
     if (world->steps == joint->born) return; /* ODE has not computed them yet */
     dVector3 axis;
-    angle[0] = dJointGetTransmissionAngle1(joint->id);
-    angle[1] = dJointGetTransmissionAngle2(joint->id);
+    /* ODE counts the angles the wrong way round: those of the contact point as the wheel sees it. */
+    angle[0] = -joint->axis_of[0] * dJointGetTransmissionAngle1(joint->id);
+    angle[1] = -joint->axis_of[1] * dJointGetTransmissionAngle2(joint->id);
     dJointGetTransmissionAxis1(joint->id, axis);
-    rate[0] = dot(axis, dBodyGetAngularVel(dJointGetBody(joint->id, 0)));
+    rate[0] = joint->axis_of[0] * dot(axis, dBodyGetAngularVel(dJointGetBody(joint->id, 0)));
     dJointGetTransmissionAxis2(joint->id, axis);
-    rate[1] = dot(axis, dBodyGetAngularVel(dJointGetBody(joint->id, 1)));
+    rate[1] = joint->axis_of[1] * dot(axis, dBodyGetAngularVel(dJointGetBody(joint->id, 1)));
 }
 
 static void read_coordinates(const oo_world *world, const oo_joint *joint, double *position, double *rate) {
