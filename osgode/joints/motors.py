@@ -241,14 +241,18 @@ class AngularMotor(_Motor):
         angles = (self.user_angle1, self.user_angle2, self.user_angle3)
         if self._mode == "euler" and any(angles):
             raise FieldError(f"{self.describe()} is in the mode 'euler' and measures its angles; it can't be told them")
-        if self._realm is not None and self._mode == "user":
-            for i, angle in enumerate(angles[: self._count()]):
-                self._set_param(lib.OO_ANGLE + 0x100 * i, angle)
+        if self._realm is not None:
+            self._put_angles()
             self._wake()
+
+    def _put_angles(self) -> None:
+        if self._mode == "user":
+            for i, angle in enumerate((self.user_angle1, self.user_angle2, self.user_angle3)[: self._count()]):
+                self._set_param(lib.OO_ANGLE + 0x100 * i, angle)
 
     def _enter_fields(self) -> None:
         super()._enter_fields()
-        self._send_angles()
+        self._put_angles()
 
     def add_torques(self, torque1: float, torque2: float = 0.0, torque3: float = 0.0) -> None:
         """Turn ``body1`` about the axes (N m) in the next step, and ``body2`` against it."""
