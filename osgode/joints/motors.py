@@ -44,7 +44,7 @@ class _Motor(Driven):
     ) -> None:
         self.name = name
         self._axes, self._relative = self._checked_axes(axes, relative_to)
-        super().__init__(body1, body2, name=name, **fields)
+        super().__init__(body1, body2, name=name, spots={}, **fields)
 
     def _checked_axes(self, axes: Any, relative_to: Any) -> tuple[list[Vec3], list[str]]:
         try:
