@@ -139,6 +139,35 @@ MAKERS: dict[type, Callable[[Stand], Any]] = {
 """How a node of each class is made that has fields."""
 
 
+def join(kind: str, one: Any, two: Any) -> Any:
+    """A joint of any kind and mode between bodies anywhere; ``two`` may be None where the kind takes one."""
+    cls, where, moded = JOINED[kind]
+    if cls is oo.Plane2D:
+        return cls(one)
+    places = {name: one.position + offset for name, offset in where.items()}
+    return cls(one, two, **places, **moded)
+
+
+_X, _Z = oo.Vec3(1, 0, 0), oo.Vec3(0, 0, 1)
+_SIDE = {"anchor1": oo.Vec3(0, 0, 0), "anchor2": _X}
+JOINED: dict[str, tuple[Any, dict[str, oo.Vec3], dict[str, Any]]] = {
+    **{cls.__name__: (cls, {}, {}) for cls in (oo.Ball, oo.Hinge, oo.Slider, oo.Fixed, oo.Universal, oo.Hinge2)},
+    **{cls.__name__: (cls, {}, {}) for cls in (oo.AngularMotor, oo.LinearMotor, oo.PR, oo.PU, oo.Piston, oo.Plane2D)},
+    "euler": (oo.AngularMotor, {}, {"mode": "euler", "axes": (_X, _Z)}),
+    "DoubleBall": (oo.DoubleBall, _SIDE, {}),
+    "DoubleHinge": (oo.DoubleHinge, _SIDE, {}),
+    "parallel": (oo.Transmission, _SIDE, {}),
+    "chain": (oo.Transmission, _SIDE, {"mode": "chain", "radius1": 0.3, "radius2": 0.2}),
+    "intersecting": (
+        oo.Transmission,
+        {"anchor1": oo.Vec3(0, 0, 0), "anchor2": oo.Vec3(0.8, 0, 0.4)},
+        {"mode": "intersecting", "axis1": _Z, "axis2": _X},
+    ),
+}
+"""For each kind and mode of joint: its class, where its anchors are from its first body, and other arguments."""
+NEEDS_TWO = {kind for kind, (cls, _, _) in JOINED.items() if cls.BODIES == (2,)}
+
+
 # -- values of fields
 
 
