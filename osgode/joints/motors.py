@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, TypedDict, Unpack
 
 from osgode.errors import FieldError, shown
@@ -80,11 +80,12 @@ class _Motor(Driven):
         self._set_axes(value)
 
     def _set_axes(self, value: Sequence[Vec3Like]) -> None:
-        axes, _ = self._checked_axes(value, self._relative if len(value) == len(self._axes) else "world")
-        if len(axes) != len(self._axes):
+        given = list(value) if isinstance(value, Iterable) else []
+        if len(given) != len(self._axes):
             raise FieldError(
                 f"{self.describe()}.axes is {shown(value)}; it must be {len(self._axes)} directions, as before"
             )
+        axes, _ = self._checked_axes(given, self._relative)
         before = self._axes
         self._axes = axes
         try:

@@ -207,7 +207,7 @@ class Transmission(Joint):
     def _below_a_right_angle(self, axis2: Vec3) -> Vec3:
         """The second axis of bevel gears, so that the axes as they stand now are at less than a right angle.
 
-        ODE turns one of two axes round that are at more than one, and does so by rounding where they are at exactly one.
+        ODE turns one of two axes round that are at more than one, and by rounding those that are at exactly one.
         """
         first, second = self._signs
         now = self.axis1 * first

@@ -111,7 +111,7 @@ def test_bad_anchors_and_axes_are_refused_later_too(kind, name, value):
 def test_no_axis_may_be_left_out_by_none(kind):
     _, first, second = stand(world=False)
     for name in kind.spots:
-        if name.startswith("axis") and name not in ("axis2",):
+        if name.startswith("axis") and name != "axis2":
             with pytest.raises(oo.FieldError, match=rf"{kind.title}\.{name} is None"):
                 kind.make(first, second, **{name: None})
     unchanged(first, second)
