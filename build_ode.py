@@ -1,4 +1,4 @@
-"""Builds the C extension: reads the declarations in osgode/native/, compiles the C files there, links Debian's libode."""
+"""Builds the C extension: reads the declarations in osgode/native/, compiles the C files there, links libode."""
 
 from pathlib import Path
 

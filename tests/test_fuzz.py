@@ -237,7 +237,7 @@ class Fuzz:
         joint = self.call(cls.__name__, cls, *pair[: self.random.choice((1, 2, 2))], **kwargs)
         if joint is not None:
             if len(self.joints) > 50:
-                self.joints.pop(0).release()
+                self.call("release", self.joints.pop(0).release)
             self.joints.append(joint)
 
     def verb(self):
@@ -254,6 +254,8 @@ class Fuzz:
             return
         kwargs = {keyword: self.value() for keyword in keywords if self.random.random() < 0.5}
         made = self.call(f"{self.label(thing)}.{name}", getattr(thing, name), *args, **kwargs)
+        if name == "on_let_go" and made is not None:
+            thing.remove_on_let_go(made)  # what else is callable here would raise wherever the joint lets go
         if name == "copy" and made is not None and len(self.nodes) < 120:
             self.nodes += [node for node in made.walk() if isinstance(node, oo.PhysicsNode)]
 

@@ -130,7 +130,7 @@ class Transmission(Joint):
             between = _facing(spots)
             if between < -RIGHT:
                 raise FieldError(
-                    f"{self.describe()}.axis2 is {tuple(spots['axis2'])}; outwards from where the axes of the wheels meet "
+                    f"{self.describe()}.axis2 is {tuple(spots['axis2'])}; outwards from where the axes meet "
                     f"it stands at {math.degrees(math.acos(between)):.1f} degrees to axis1={tuple(spots['axis1'])}; "
                     "ODE can do at most 90"
                 )
@@ -173,8 +173,8 @@ class Transmission(Joint):
         if abs(self._out_of_plane(spots)) > 1e-3:
             raise FieldError(
                 f"{self.describe()}.axis1 is {tuple(spots['axis1'])}, with anchor1={tuple(spots['anchor1'])} and "
-                f"anchor2={tuple(spots['anchor2'])}; ODE does chains about y, about z between anchors along x, and about "
-                "x between anchors along y"
+                f"anchor2={tuple(spots['anchor2'])}; ODE does chains about y, about z between anchors along x, and "
+                "about x between anchors along y"
             )
 
     def _out_of_plane(self, spots: dict[str, Vec3]) -> float:
