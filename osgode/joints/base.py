@@ -112,6 +112,7 @@ class Joint(HasFields):
         self._set_fields(fields)
         self._complete()
         self._ready = True
+        self._sprung()
         for body in self._bodies:
             body._joints.append(self)
         try:
@@ -427,6 +428,8 @@ class Joint(HasFields):
 
     def _sprung(self) -> None:
         """Called when a spring, or the ERP or CFM instead of it, has changed."""
+        if not self._ready:
+            return  # a new joint is given one after the other: only all of them together must be right
         for name, field in self.FIELDS.items():
             place = getattr(field, "spring", None)
             if place is None:
