@@ -11,7 +11,7 @@ ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())
 ffi.set_source(
     "osgode.native._core",
     '#include <ode/ode.h>\n#include "core.h"\n',
-    sources=[str(NATIVE / f"{name}.c") for name in ("support", "core", "geoms", "joints", "step")],
+    sources=[str(NATIVE / f"{name}.c") for name in ("support", "core", "geoms", "joints", "gears", "step")],
     include_dirs=[str(NATIVE)],
     depends=[str(NATIVE / name) for name in ("core.h", "internal.h", "ode.cdef")],
     libraries=["ode", "m", "dl", "pthread"],

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
 
 from osgode.errors import FieldError, ParameterError, PhysicsError, StateError, TreeError, shown
 from osgode.fields import FLAG, Field, FlagField, Followed, number, optional
-from osgode.joints.events import LetGo, Reaction, tell
+from osgode.joints.events import LetGo, Reaction
 from osgode.joints.rest import AtRest
 from osgode.joints.spots import BODY1, BODY2, Spot
 from osgode.maths import Pose, Vec3
 from osgode.native import ffi, last_error, lib
 from osgode.nodes.base import HasFields
 from osgode.nodes.body import Body
+from osgode.nodes.listeners import tell_let_go
 
 if TYPE_CHECKING:
+    from osgode.nodes.listeners import Call
     from osgode.nodes.realm import Realm
 
 TWO_BODIES = (2,)
@@ -201,10 +203,10 @@ class Joint(HasFields):
                 self._wake()
         if not self._released:
             self._forget()
-            self._tell(LetGo(self, "released"))
+            tell_let_go(self._calls(LetGo(self, "released")))
 
-    def _break(self) -> Callable[[], None]:
-        """Release the bodies because it had to bear too much; the result tells the listeners."""
+    def _break(self) -> list[Call]:
+        """Release the bodies because it had to bear too much; the listeners are then to be called."""
         row = self._read("breaking it")
         event = LetGo(self, "broke", Vec3(*row.force1).length, Vec3(*row.torque).length)
         with self._live("breaking it").editing():
@@ -212,13 +214,14 @@ class Joint(HasFields):
             self._wake()
         self._broken = True
         self._forget()
-        return lambda: self._tell(event)
+        return self._calls(event)
 
-    def _tell(self, event: LetGo) -> None:
-        tell((listener, event) for listener in self._listeners)
+    def _lose(self) -> list[Call]:
+        """A body has left; the listeners are to be called."""
+        return self._calls(LetGo(self, "left"))
 
-    def _lose(self) -> None:
-        self._tell(LetGo(self, "left"))
+    def _calls(self, event: LetGo) -> list[Call]:
+        return [(listener, event) for listener in self._listeners]
 
     def on_let_go(self, listener: Callable[[LetGo], object]) -> Callable[[LetGo], object]:
         """Have ``listener`` called when the joint breaks, is released, or loses a body; usable as a decorator.
@@ -265,7 +268,6 @@ class Joint(HasFields):
 
     def _make(self, realm: Realm) -> None:
         with realm.editing():
-            spots, how = self._layout()
             second = ffi.NULL if self._body2 is None else self._body2._id
             native = lib.oo_joint_new(realm.ptr, self.KIND, self._body1._id, second)
             if native == ffi.NULL:
@@ -274,6 +276,7 @@ class Joint(HasFields):
             self._realm = realm
             realm.add_joint(self)
             with AtRest(realm, self._bodies, self._rest):
+                spots, how = self._layout()
                 at = self._rest[0].inverse().transform(self._load_point()) - self._body1._com
                 status = lib.oo_joint_place(native, spots, how, tuple(at))
             if status < 0:
@@ -428,8 +431,8 @@ class Joint(HasFields):
 
     def _sprung(self) -> None:
         """Called when a spring, or the ERP or CFM instead of it, has changed."""
-        if not self._ready:  # a new joint is looked at when it has all its fields, in whatever order they came
-            return
+        if not self._ready:
+            return  # a new joint is given one after the other: only all of them together must be right
         for name, field in self.FIELDS.items():
             place = getattr(field, "spring", None)
             if place is None:

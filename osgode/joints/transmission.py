@@ -7,7 +7,7 @@ from typing import Unpack
 
 from osgode.errors import FieldError, StateError
 from osgode.fields import SIZE_LIMITS, Field, NumberField, choice, number, optional
-from osgode.joints.anchored import not_parallel, origin_of
+from osgode.joints.anchored import origin_of, right_angle
 from osgode.joints.base import TWO_BODIES, Joint, JointFields
 from osgode.joints.limits import SpringFields, spring_fields
 from osgode.joints.spots import BODY1, BODY2, Anchor, Axis, Coordinate
@@ -17,8 +17,6 @@ from osgode.nodes.body import Body
 
 MODES = ("parallel", "intersecting", "chain")
 MODE = choice(*MODES)
-RIGHT, LESS = 1e-4, 1e-6
-"""Radians within which two axes are at a right angle, and by which ODE needs them to be at less."""
 RADIUS = optional(number(*SIZE_LIMITS))
 
 
@@ -35,15 +33,18 @@ class Transmission(Joint):
     """Passes turning on from one wheel to another: spur gears, bevel gears, or sprockets with a chain.
 
     It neither holds the wheels nor their axles: each needs a hinge (to a frame, or to the static world) at the same
-    anchor about the same axis. How far it has turned is counted inside ODE since the joint was made, so what is left
-    of a chain's or a gear's error is forgotten when it is made again (a body left and came back, or its centre of mass
-    moved): the wheels go on from where they stand.
+    anchor about the same axis. How far its wheels have turned is counted since the joint was made, so what is left of
+    a chain's or a gear's error is forgotten when it is made again (a body left and came back, or its centre of mass
+    moved) or switched on: the wheels go on from where they stand. A wheel may not turn by more than a quarter of a
+    turn in a step: ODE loses count there.
 
     - "parallel": gears on parallel axes, whose radii are in the relation ``ratio`` = radius1 / radius2: ``body2`` turns
       ``ratio`` times as fast, the other way round.
-    - "intersecting": bevel gears; the radii follow from where the planes of the wheels meet. Outwards from where the
-      axes meet they stand at no more than a right angle.
+    - "intersecting": bevel gears at a right angle; the radii follow from where the planes of the wheels meet. (For
+      other angles ODE's equations depend on where in the world the gears are.)
     - "chain": sprockets of ``radius1`` and ``radius2``: ``body2`` turns radius1 / radius2 times as fast, the same way.
+      ODE mixes up rows and columns where it places the chain, so its pull, not its ratio, depends on how the sprockets
+      lie in the world; with ``axis1`` along the world's Y it is right, and where it would vanish you are told so.
 
     Args:
         body1: the first wheel.
@@ -51,7 +52,8 @@ class Transmission(Joint):
         anchor1: the middle of the first wheel in the world, metres; its origin if not given.
         anchor2: the middle of the second wheel.
         axis1: direction in the world that the first wheel turns about.
-        axis2: the same of the second; it must be parallel to ``axis1`` for gears and chains, where it may be left out.
+        axis2: the same of the second; it must be parallel to ``axis1`` for gears and chains, where it may be left out,
+            and within 0.01 rad of a right angle to it for bevel gears, and is made exact.
         mode: "parallel", "intersecting" or "chain"; it can't be changed.
         ratio: of gears on parallel axes.
         radius1, radius2: metres, of sprockets.
@@ -120,20 +122,13 @@ class Transmission(Joint):
     def _fit(self, spots: dict[str, Vec3]) -> dict[str, Vec3]:
         way = spots["anchor2"] - spots["anchor1"]
         if self._mode == "intersecting":
-            not_parallel(self, spots, "axis1", "axis2")
+            spots = spots | {"axis2": right_angle(self, spots, "axis1", "axis2")}
             for radius, name in zip(_bevel_radii(spots), ("anchor1", "anchor2"), strict=True):
                 if radius < SIZE_LIMITS[0]:
                     raise FieldError(
                         f"{self.describe()}.{name} is {tuple(spots[name])}, in the plane of the other wheel; "
                         "it must be off that plane, by the radius of its wheel"
                     )
-            between = _facing(spots)
-            if between < -RIGHT:
-                raise FieldError(
-                    f"{self.describe()}.axis2 is {tuple(spots['axis2'])}; outwards from where the axes meet "
-                    f"it stands at {math.degrees(math.acos(between)):.1f} degrees to axis1={tuple(spots['axis1'])}; "
-                    "ODE can do at most 90"
-                )
             return spots
         if spots["axis1"].dot(spots["axis2"]) < 0.9999:
             raise FieldError(
@@ -162,31 +157,27 @@ class Transmission(Joint):
                 raise FieldError(f"{self.describe()}: the mode {self._mode!r} {what} {name}")
         if self._mode != "parallel" and self.ratio != 1.0:
             raise FieldError(f"{self.describe()}.ratio is {self.ratio:g}; only the mode 'parallel' can be given one")
-        if not chain:
-            return
         apart = spots["anchor1"].distance(spots["anchor2"])
-        if abs((self.radius1 or 0.0) - (self.radius2 or 0.0)) >= apart:
+        if chain and abs((self.radius1 or 0.0) - (self.radius2 or 0.0)) >= apart:
             raise FieldError(
                 f"{self.describe()}: radius1={self.radius1} and radius2={self.radius2} differ by more than the "
                 f"{apart:g} m between the anchors"
             )
-        if abs(self._out_of_plane(spots)) > 1e-3:
+        if chain and self._pull(spots) < 0.05:
             raise FieldError(
-                f"{self.describe()}.axis1 is {tuple(spots['axis1'])}, with anchor1={tuple(spots['anchor1'])} and "
-                f"anchor2={tuple(spots['anchor2'])}; ODE does chains about y, about z between anchors along x, and "
-                "about x between anchors along y"
+                f"{self.describe()}.axis1 is {tuple(spots['axis1'])}, across the way from anchor1 to anchor2 in "
+                "a direction in which ODE's chain can't pull; it must be another, (0, 1, 0) for instance"
             )
 
-    def _out_of_plane(self, spots: dict[str, Vec3]) -> float:
-        """The part along its axis of the way from the middle of a sprocket to where ODE has the chain leave it.
-
-        It multiplies by a matrix of unit vectors where its transpose is meant, which is right for some directions only.
-        """
-        way, axis = spots["anchor1"] - spots["anchor2"], spots["axis1"]
-        along = way.normalized()
-        cosine = ((self.radius2 or 0.0) - (self.radius1 or 0.0)) / way.length
-        leaves = Vec3(cosine, 0.0, math.sqrt(1.0 - cosine * cosine))
-        return axis.dot((along.dot(leaves), axis.dot(leaves), along.cross(axis).dot(leaves)))
+    def _pull(self, spots: dict[str, Vec3]) -> float:
+        """The part of the chain's pull that ODE lets act: 1 where its sprockets lie as it expects them."""
+        n, way = spots["axis1"], spots["anchor1"] - spots["anchor2"]
+        d = way.normalized()
+        side = d.cross(n)
+        c = ((self.radius2 or 0.0) - (self.radius1 or 0.0)) / way.length
+        along = (c, 0.0, math.sqrt(max(0.0, 1.0 - c * c)))
+        # ODE multiplies by the matrix of rows d, n and d x n, where its transpose would be right.
+        return Vec3(d.dot(along), n.dot(along), side.dot(along)).cross(n).length
 
     def _regear(self) -> None:
         if not self._ready:
@@ -196,30 +187,8 @@ class Transmission(Joint):
 
     def _layout(self) -> tuple[list[float], list[int]]:
         self._check_gears()
-        first, second = self._signs
-        spots = self._spots | {"axis1": self._spots["axis1"] * first, "axis2": self._spots["axis2"] * second}
-        if self._mode == "intersecting":
-            spots["axis2"] = self._below_a_right_angle(spots["axis2"])
-        flat = [value for name in self.SPOTS for value in spots[name]]
-        numbers = [MODES.index(self._mode), int(first), int(second)]
-        return [*flat, self.ratio, self.radius1 or 0.0, self.radius2 or 0.0], numbers
-
-    def _below_a_right_angle(self, axis2: Vec3) -> Vec3:
-        """The second axis of bevel gears, so that the axes as they stand now are at less than a right angle.
-
-        ODE turns one of two axes round that are at more than one, and by rounding those that are at exactly one.
-        """
-        first, second = self._signs
-        now = self.axis1 * first
-        lacking = LESS - now.dot(self.axis2 * second)
-        if lacking <= 0.0 or self._body2 is None:
-            return axis2
-        return (axis2 + self._rest[1].rotation.rotate(self._body2.vector_to_local(now)) * lacking).normalized()
-
-    @property
-    def _signs(self) -> tuple[float, float]:
-        """Which way ODE has the axes."""
-        return _bevel_signs(self._spots) if self._mode == "intersecting" else (1.0, 1.0)
+        flat, _ = super()._layout()
+        return [*flat, self.ratio, self.radius1 or 0.0, self.radius2 or 0.0], [MODES.index(self._mode)]
 
     # -- what it reads
 
@@ -253,27 +222,9 @@ class Transmission(Joint):
     def error(self) -> float:
         """How far the teeth are off each other, or the chain is stretched, beyond the backlash, metres."""
         row = self._read("error")
-        first, second = (
-            sign * radius * angle
-            for sign, radius, angle in zip(self._signs, self.radii, row.position[0:2], strict=True)
-        )
+        first, second = (radius * angle for radius, angle in zip(self.radii, row.position[0:2], strict=True))
         off: float = abs(first - second if self._mode == "chain" else first + second)
         return max(0.0, off - self.backlash)
-
-
-def _bevel_signs(spots: dict[str, Vec3]) -> tuple[float, float]:
-    """Which way round ODE needs the axes: each must point to the side of its wheel where the other one is.
-
-    For axes of any other direction it corrects the error of the teeth the wrong way, so that it grows.
-    """
-    way = spots["anchor2"] - spots["anchor1"]
-    return math.copysign(1.0, way.dot(spots["axis1"])), math.copysign(1.0, -way.dot(spots["axis2"]))
-
-
-def _facing(spots: dict[str, Vec3]) -> float:
-    """The cosine of the angle between the axes, each pointing to the side of the other wheel."""
-    first, second = _bevel_signs(spots)
-    return first * second * spots["axis1"].dot(spots["axis2"])
 
 
 def _bevel_radii(spots: dict[str, Vec3]) -> tuple[float, float]:

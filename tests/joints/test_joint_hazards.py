@@ -227,7 +227,7 @@ ROWS = [
         r"Transmission 'it'\.anchor2 is .*plane of the first wheel",
     ),
     Row("gears on axes that aren't parallel", gears(axis2=X), r"Transmission 'it'\.axis2 is .*that of axis1"),
-    Row("bevel gears on parallel axes", gears(mode="intersecting"), r"Transmission 'it'\.axis2 is .*parallel to axis1"),
+    Row("bevel gears on parallel axes", gears(mode="intersecting"), r"Transmission 'it'\.axis2 is .*right angle to it"),
     Row(
         "a bevel gear without radius",
         gears(mode="intersecting", axis2=X, anchor2=(2, 0, 0)),
@@ -256,6 +256,11 @@ ROWS = [
         "a sprocket within the other",
         put(oo.Transmission, "radius1", 9.0, **CHAIN),
         "Transmission 'it': radius1=9.0 and radius2=0.25 differ",
+    ),
+    Row(
+        "a chain anchored anew too narrowly",
+        call(oo.Transmission, "anchor_anew", fields=CHAIN, anchor2=(0.2, 0, 0)),
+        "Transmission 'it': radius1=0.5 and radius2=0.25 differ",
     ),
     Row("negative backlash", put(oo.Transmission, "backlash", -1.0, **GEARS), r"Transmission 'it'\.backlash is -1"),
     # what a joint bears

@@ -215,7 +215,7 @@ def test_all_listeners_are_heard_before_an_error_of_one():
     more = heard(joint)
     with pytest.raises(KeyError) as caught:
         joint.release()
-    assert "raised by a listener of Ball 'it', which released" in caught.value.__notes__
+    assert "raised by a joint listener of Ball 'it', which released" in caught.value.__notes__
     assert joint.released
     assert events == more == [(True, "released", 0.0, 0.0)]
 

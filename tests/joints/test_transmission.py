@@ -1,162 +1,179 @@
-"""Transmissions: how fast the second wheel turns, by where the teeth meet, whichever way the axes are given."""
+"""Gears, bevel gears and chains: how fast and which way round, wherever they stand, and how far they count."""
 
-import itertools
 import math
 
 import pytest
 
 import osgode as oo
 
-X, Y, Z = oo.Vec3(1, 0, 0), oo.Vec3(0, 1, 0), oo.Vec3(0, 0, 1)
+H = 1 / 500
+PLACES = [(0, 0, 0), (-40, 7, -13)]
+each_place = pytest.mark.parametrize("at", PLACES, ids=str)
+each_way = pytest.mark.parametrize("way", [1, -1], ids=["forwards", "backwards"])
 
 
-def drive(anchor1, anchor2, axis1, axis2, **fields):
-    """Two wheels on hinges, the first of which is driven at 1 rad/s for 2 s."""
-    world = oo.World(gravity=(0, 0, 0), solver="exact")
-    first, second = world.attach(oo.Body(position=anchor1)), world.attach(oo.Body(position=anchor2))
-    hinge = oo.Hinge(first, axis=axis1, motor_velocity=1.0, motor_max_force=1e3)
-    other = oo.Hinge(second, axis=axis2)
-    gear = oo.Transmission(first, second, axis1=axis1, axis2=axis2, name="it", **fields)
-    world.run(2.0)
-    assert hinge.angle_rate == pytest.approx(1.0, abs=1e-6)
-    return world, gear, other
+class Gears:
+    """Two wheels on axles in the static world, the first of them driven."""
+
+    def __init__(self, at, apart, axis1, axis2, *, turn=oo.maths.IDENTITY, h=H, loaded=0.0, **fields):
+        self.world = oo.World(gravity=(0, 0, 0), solver="exact", step_size=h)
+        self.axes = [turn.rotate(axis1), turn.rotate(axis2)]
+        self.at = [oo.Vec3(*at), oo.Vec3(*at) + turn.rotate(apart)]
+        self.wheels, self.axles = [], []
+        for middle, axis in zip(self.at, self.axes, strict=True):
+            wheel = self.world.attach(oo.Body(position=middle))
+            wheel.fixed_mass = oo.Mass.sphere(0.3, mass=2)
+            self.wheels.append(wheel)
+            self.axles.append(oo.Hinge(wheel, axis=axis))
+        self.gear = oo.Transmission(*self.wheels, axis1=self.axes[0], axis2=self.axes[1], **fields)
+        self.loaded = loaded
+
+    def drive(self, speed, seconds):
+        self.axles[0].motor(speed, 1e4)
+        self.turned = [0.0, 0.0]
+        for _ in range(round(seconds / self.world.step_size)):
+            self.axles[1].add_torque(self.loaded)
+            self.world.step()
+            for i, axle in enumerate(self.axles):
+                self.turned[i] += axle.angle_rate * self.world.step_size
+
+    def check(self, speed, ratio, near=1e-3):
+        """The second wheel has turned by ``ratio`` times the first, and turns so; as the joint reads it too."""
+        assert self.turned[1] == pytest.approx(ratio * self.turned[0], rel=near)
+        assert self.axles[1].angle_rate == pytest.approx(ratio * speed, rel=10 * near)
+        gear = self.gear
+        assert (gear.angle_rate1, gear.angle_rate2) == pytest.approx([axle.angle_rate for axle in self.axles], rel=1e-4)
+        assert (gear.angle1, gear.angle2) == pytest.approx(self.turned, rel=1e-3)
 
 
-def bevel(cone1, cone2, slant=1.0):
-    """Anchors and outward axes of two bevel gears, whose cones of these half angles touch at the world's origin."""
-    apex = -Y * slant
-    axes = Y * math.cos(cone1) + X * math.sin(cone1), Y * math.cos(cone2) - X * math.sin(cone2)
-    return [apex + axis * (slant * math.cos(cone)) for axis, cone in zip(axes, (cone1, cone2), strict=True)], axes
+TURNS = [oo.maths.IDENTITY, oo.Quat.from_axis_angle((1, 2, -1), 0.9), oo.Quat.from_axis_angle((0, 0, 1), math.pi / 2)]
+each_turn = pytest.mark.parametrize("turn", TURNS, ids=["straight", "oblique", "right"])
 
 
-@pytest.mark.parametrize(("d1", "d2"), list(itertools.product((1, -1), repeat=2)))
-@pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize("cones", [(math.atan(2), math.atan(0.5)), (math.pi / 4, math.pi / 4), (0.6, 0.3), (0.3, 0.9)])
-def test_bevel_gears_move_as_one_where_their_teeth_meet(cones, side, d1, d2):
-    """There the velocities of both are the same, and stay so, to 1e-3; radii are slant * sin(half angle)."""
-    anchors, axes = bevel(*(side * cone for cone in cones))
-    world, gear, other = drive(*anchors, axes[0] * d1, axes[1] * d2, mode="intersecting")
-    radii = [math.sin(cone) for cone in cones]
-    assert gear.radii == pytest.approx(radii, rel=1e-9)
-    for _ in range(3):
-        teeth = [body.velocity_at((0, 0, 0)) for body in (gear.body1, gear.body2)]
-        assert teeth[0].length == pytest.approx(radii[0], rel=1e-3)
-        assert teeth[0] == pytest.approx(teeth[1], abs=1e-3)
-        assert gear.angle_rate1 == pytest.approx(1.0, abs=1e-5)
-        assert gear.angle_rate2 == pytest.approx(other.angle_rate, abs=1e-5)
-        assert gear.error < 1e-3
-        world.run(5.0)
+@each_turn
+@each_place
+@each_way
+@pytest.mark.parametrize("ratio", [1.0, 2.0, 0.4])
+def test_spur_gears_turn_the_other_way_round_by_their_ratio(at, way, ratio, turn):
+    """At the teeth both go the same way: w2 = -(radius1 / radius2) w1."""
+    gears = Gears(at, (1, 0, 0), (0, 0, 1), (0, 0, 1), ratio=ratio, turn=turn)
+    gears.drive(way * 2.0, 0.6)
+    gears.check(way * 2.0, -ratio)
+    assert gears.gear.radii == pytest.approx((ratio / (1 + ratio), 1 / (1 + ratio)))
+    assert gears.gear.error < 1e-5
+    teeth = gears.at[0] + (gears.at[1] - gears.at[0]) * (ratio / (1 + ratio))
+    for point in gears.gear.contact_points:
+        assert point == pytest.approx(teeth, abs=1e-4)
 
 
-GEARS = [({"mode": "parallel", "ratio": 2.0}, -2.0), ({"mode": "parallel", "ratio": 0.25}, -0.25)]
-SPROCKETS = [
-    ({"mode": "chain", "radius1": 0.4, "radius2": 0.1}, 4.0),
-    ({"mode": "chain", "radius1": 0.1, "radius2": 0.2}, 0.5),
-    ({"mode": "chain", "radius1": 0.2, "radius2": 0.2}, 1.0),
-]
-ANYWHERE = [(X, Z), (-X, Z), (Y * 0.7, Z), (oo.Vec3(0.6, 0.8, 0), Z), (oo.Vec3(2, 1, -2), oo.Vec3(1, 2, 2) / 3)]
-WHERE_ODE_DOES_CHAINS = [(X, Z), (-X, Z), (X, Y), (-Z, Y), (oo.Vec3(0.6, 0, 0.8), Y), (Y, X), (-Y, X)]
+BEVELS = [(x, z, first, second) for x in (1, -2) for z in (1, -0.5) for first in (1, -1) for second in (1, -1)]
 
 
-@pytest.mark.parametrize("way", [1, -1])
+@each_turn
+@each_place
+@pytest.mark.parametrize(("x", "z", "first", "second"), BEVELS)
+def test_bevel_gears_turn_so_that_their_teeth_move_together(at, turn, x, z, first, second):  # noqa: PLR0917
+    """However the axes point, and wherever the second wheel is: the teeth touch where both planes meet.
+
+    Wheel 1 lies at 0 across z, wheel 2 at (x, 0, z) across x. They meet at (x, 0, 0), at arms of (x, 0, 0) and
+    (0, 0, -z), where wheel 1 moves at w1 first x along y, and wheel 2 at w2 second z along y.
+    """
+    gears = Gears(at, (x, 0, z), (0, 0, first), (second, 0, 0), mode="intersecting", turn=turn)
+    gears.drive(2.0, 0.3)
+    gears.check(2.0, (first * x) / (second * z))
+    assert gears.gear.radii == pytest.approx((abs(x), abs(z)))
+    for point in gears.gear.contact_points:
+        assert point == pytest.approx(gears.at[0] + turn.rotate((x, 0, 0)), abs=1e-4)
+
+
+@each_place
+@each_way
+@pytest.mark.parametrize("loaded", [0.0, 0.5, -0.5])
+@pytest.mark.parametrize(("radius1", "radius2"), [(0.2, 0.1), (0.1, 0.1), (0.15, 0.3)])
 @pytest.mark.parametrize(
-    ("fields", "times", "second", "axis"),
-    [
-        *((*gear, *place) for gear, place in itertools.product(GEARS, ANYWHERE)),
-        *((*chain, *place) for chain, place in itertools.product(SPROCKETS, WHERE_ODE_DOES_CHAINS)),
-    ],
-    ids=str,
+    ("apart", "axis"), [((1, 0, 0), (0, 1, 0)), ((0.6, 0, 0.8), (0, 1, 0)), ((0, 1, 0), (1, 0, 0))], ids=str
 )
-def test_gears_turn_the_other_way_and_sprockets_the_same(fields, times, second, axis, way):
-    world, gear, other = drive((0, 0, 0), second, axis * way, axis * way, **fields)
-    for _ in range(2):
-        assert other.angle_rate == pytest.approx(times, rel=1e-4)
-        assert gear.angle_rate1 == pytest.approx(1.0, abs=1e-6)
-        assert gear.angle_rate2 == pytest.approx(other.angle_rate, abs=1e-6)
-        assert gear.error < 1e-4
-        world.run(3.0)
+def test_chains_turn_the_same_way_round_by_their_radii(at, way, loaded, radius1, radius2, apart, axis):  # noqa: PLR0917
+    """w2 = (radius1 / radius2) w1, whichever side of the chain pulls, also far from the origin of the world."""
+    gears = Gears(at, apart, axis, axis, mode="chain", radius1=radius1, radius2=radius2, loaded=loaded)
+    gears.drive(way * 2.0, 0.6)
+    gears.check(way * 2.0, radius1 / radius2, near=5e-3)
 
 
-@pytest.mark.parametrize("live", [True, False])
-def test_a_chain_where_ode_gets_the_ratio_wrong_is_refused(live):
-    """At once, when it is anchored anew, and when its radii change; nothing changes then."""
-    world, first, second = oo.World(), oo.Body(), oo.Body(position=(0, 0.7, 0))
-    if live:
-        world.attach(first)
-        world.attach(second)
-    chain = {"mode": "chain", "radius1": 0.4, "radius2": 0.1, "name": "it"}
-    with pytest.raises(
-        oo.FieldError, match=r"Transmission 'it'\.axis1 is \(0.0, 0.0, 1.0\).*; ODE does chains about y"
-    ):
-        oo.Transmission(first, second, axis1=Z, **chain)
-    assert first.joints == ()
-    joint = oo.Transmission(first, second, axis1=X, **chain)
-    with pytest.raises(oo.FieldError, match="ODE does chains"):
-        joint.anchor_anew(axis1=Z, axis2=Z)
-    assert joint.axis1 == X
-    even = oo.Transmission(first, second, axis1=Z, mode="chain", radius1=0.2, radius2=0.2)
-    with pytest.raises(oo.FieldError, match="ODE does chains"):
-        even.radius1 = 0.3
-    assert even.radius1 == 0.2
+def test_a_chain_where_odes_does_not_pull_is_refused():
+    with pytest.raises(oo.FieldError, match=r"Transmission\.axis1 is .*ODE's chain can't pull; it must be another"):
+        Gears((0, 0, 0), (0, 0, 1), (1, 0, 0), (1, 0, 0), mode="chain", radius1=0.1, radius2=0.1)
 
 
-@pytest.mark.parametrize(
-    "fields",
-    [
-        {"mode": "parallel", "ratio": 2.0},
-        {"mode": "chain", "radius1": 0.4, "radius2": 0.1},
-        {"mode": "intersecting", "axis2": X},
-    ],
-    ids=lambda fields: fields["mode"],
-)
-def test_angles_grow_at_their_rates_beyond_half_a_turn(fields):
-    """By rate times time, between two moments at constant speed."""
-    fields = dict(fields)
-    axis2 = fields.pop("axis2", Z)
-    second = oo.Vec3(1, 0, 0) if axis2 is Z else oo.Vec3(0.8, 0, 0.4)
-    world, gear, _ = drive((0, 0, 0), second, Z, axis2, **fields)
-    before = gear.angle1, gear.angle2
-    world.run(6.0)
-    assert gear.angle1 - before[0] == pytest.approx(6.0, rel=1e-3)
-    assert gear.angle2 - before[1] == pytest.approx(6.0 * gear.angle_rate2, rel=1e-3)
-    assert gear.angle1 > 2 * math.pi
+@pytest.mark.parametrize("angle", [1.2, 2.0])
+def test_bevel_gears_at_another_angle_are_refused(angle):
+    axis2 = (math.sin(angle), 0, math.cos(angle))
+    with pytest.raises(oo.FieldError, match=r"Transmission\.axis2 is .*degrees to axis1.*right angle"):
+        Gears((0, 0, 0), (1, 0, 1), (0, 0, 1), axis2, mode="intersecting")
 
 
-def test_bevel_gears_at_more_than_a_right_angle_are_refused():
-    """ODE would turn one of the axes round and correct the error of the teeth the wrong way."""
-    first, second = oo.Body(), oo.Body(position=(0.8, 0, 0.4))
-    for axis2 in ((1, 0, 0.01), (-1, 0, -0.01)):
-        with pytest.raises(oo.FieldError, match=r"Transmission 'it'\.axis2 is .* degrees to axis1"):
-            oo.Transmission(first, second, axis1=Z, axis2=axis2, mode="intersecting", name="it")
-    assert first.joints == ()
-    oo.Transmission(first, second, axis1=Z, axis2=(1, 0, -0.01), mode="intersecting")
-
-
-def test_contact_points_are_where_the_teeth_meet():
-    """On the line between the anchors, in the relation of the radii; they are known after the first step."""
-    world = oo.World(gravity=(0, 0, 0), solver="exact")
-    first, second = world.attach(oo.Body()), world.attach(oo.Body(position=(3, 0, 0)))
-    gear = oo.Transmission(first, second, axis1=Z, ratio=2.0, name="it")
-    with pytest.raises(oo.StateError, match=r"Transmission 'it'\.contact_points"):
-        _ = gear.contact_points
-    assert (gear.angle1, gear.angle2, gear.error) == (0.0, 0.0, 0.0)
+def test_a_gear_on_a_turning_frame_counts_against_the_frame():
+    """Sun and planet on an arm that turns with everything at 1 rad/s: nothing turns against the arm."""
+    world = oo.World(gravity=(0, 0, 0), solver="exact", step_size=H)
+    arm = world.attach(oo.Body(kinematic=True))
+    wheels = [world.attach(oo.Body(position=(x, 0, 0))) for x in (0, 1)]
+    for wheel in wheels:
+        wheel.fixed_mass = oo.Mass.sphere(0.3, mass=2)
+        oo.Hinge(wheel, arm, axis=(0, 0, 1))
+    gear = oo.Transmission(*wheels, ratio=1.0)
     world.step()
-    for point in gear.contact_points:
-        assert point == pytest.approx((2, 0, 0), abs=1e-9)
-    assert gear.radii == pytest.approx((2.0, 1.0), rel=1e-12)
+    arm.angular_velocity = (0, 0, 1)
+    for wheel in wheels:
+        wheel.angular_velocity = (0, 0, 1)
+    wheels[1].linear_velocity = (0, 1, 0)
+    world.run(1.0)
+    assert (gear.angle1, gear.angle2) == pytest.approx((0, 0), abs=2e-3)
+    assert (gear.angle_rate1, gear.angle_rate2) == pytest.approx((0, 0), abs=2e-3)
+    assert gear.error < 1e-3
 
 
-def test_backlash_lets_the_first_wheel_turn_alone():
-    """By backlash / radius, within which the second wheel stays where it is."""
-    world = oo.World(gravity=(0, 0, 0), solver="exact")
-    first, second = world.attach(oo.Body()), world.attach(oo.Body(position=(2, 0, 0)))
-    hinge, other = oo.Hinge(first, axis=Z, motor_velocity=0.5, motor_max_force=1e3), oo.Hinge(second, axis=Z)
-    gear = oo.Transmission(first, second, axis1=Z, backlash=0.1)
-    while hinge.angle < 0.09:
-        assert other.angle == pytest.approx(0.0, abs=1e-9)
-        world.step()
-    for _ in range(4):
-        world.run(0.5)
-        assert abs(hinge.angle + other.angle) <= 0.1 + 1e-3
-        assert gear.error < 1e-3
-    assert other.angle < -0.8
+@pytest.mark.parametrize("speed", [30.0, 180.0])
+def test_fast_gears_turn_as_they_should(speed):
+    """Up to a quarter of a turn (1.5 rad) in a step of 1/120 s."""
+    gears = Gears((2, 1, 0), (1, 0, 0), (0, 0, 1), (0, 0, 1), ratio=0.5, h=1 / 120)
+    for wheel in gears.wheels:
+        wheel.max_angular_speed = math.inf
+    gears.drive(speed, 1.0)
+    assert gears.axles[0].angle_rate == pytest.approx(speed, rel=1e-3)
+    chord = 2 * math.atan(speed / 120 / 2)  # by which ODE turns a body in a step
+    assert gears.gear.angle1 == pytest.approx(120 * chord, rel=1e-2)
+    assert gears.gear.angle2 == pytest.approx(-0.5 * gears.gear.angle1, rel=1e-2)
+
+
+def test_backlash_is_played_through_before_the_second_wheel_is_pushed():
+    """0.05 m at the teeth of wheels of 0.5 m: 0.1 rad, in which the second stands, and later may run free."""
+    gears = Gears((0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 0, 1), backlash=0.05)
+    gears.axles[0].motor(0.5, 1e4)
+    while gears.axles[0].angle < 0.095:
+        gears.world.step()
+        assert gears.axles[1].angle_rate == 0.0
+    gears.world.run(2.0)
+    assert gears.axles[1].angle < -0.5
+    assert abs(gears.axles[1].angle + gears.axles[0].angle) <= 0.1 + 1e-3
+
+
+def test_angles_are_0_before_the_first_step_and_go_on_beyond_pi():
+    gears = Gears((0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 0, 1))
+    assert (gears.gear.angle1, gears.gear.angle2) == (0.0, 0.0)
+    gears.drive(6.0, 2.0)
+    assert gears.gear.angle1 == pytest.approx(12.0, rel=0.01)
+    assert gears.gear.angle2 == pytest.approx(-12.0, rel=0.01)
+
+
+def test_switched_off_it_lets_the_wheels_run_and_takes_them_up_where_they_stand():
+    """A clutch: no jerk on what was turned meanwhile."""
+    gears = Gears((0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 0, 1))
+    gears.drive(2.0, 0.5)
+    gears.gear.enabled = False
+    gears.axles[1].motor(5.0, 1e4)
+    gears.world.run(0.7)
+    assert gears.axles[1].angle_rate == pytest.approx(5.0, rel=1e-3)
+    gears.axles[1].motor(0.0, 0.0)
+    gears.gear.enabled = True
+    gears.drive(2.0, 0.5)
+    assert gears.axles[1].angle_rate == pytest.approx(-2.0, rel=1e-3)
