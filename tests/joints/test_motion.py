@@ -311,3 +311,17 @@ def test_a_pu_that_is_slid_out_and_turns_lags_as_documented(h):
     for _ in range(10):
         world.run(0.1)
         assert joint.error == pytest.approx(abs(joint.angle_rate2 * joint.position) * h / 0.2, rel=1 / 3)
+
+
+def test_a_pressed_hinge2_on_a_turning_chassis_lags_as_documented():
+    """By w x h / ERP, within a third, as a PU does; its suspension is free here."""
+    world = oo.World(gravity=(0, 0, 0), solver="exact", step_size=1 / 240, erp=0.2)
+    chassis, wheel = world.attach(oo.Body(kinematic=True)), world.attach(oo.Body())
+    wheel.fixed_mass = oo.Mass.sphere(0.3, mass=5)
+    joint = oo.Hinge2(chassis, wheel, suspension_damping=1e-5)
+    wheel.position, wheel.linear_velocity = (0, 0.2, 0), (0, 0, 0.2)
+    chassis.angular_velocity = wheel.angular_velocity = (1, 0, 0)
+    for _ in range(5):
+        world.run(0.1)
+        assert joint.compression > 0.19
+        assert joint.error == pytest.approx(joint.compression * 1.0 / 240 / 0.2, rel=1 / 3)

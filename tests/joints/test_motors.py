@@ -180,3 +180,18 @@ def test_an_axis_that_a_motor_has_not_got_is_refused(cls, n):
     with pytest.raises(oo.FieldError, match=rf"has {n - 1} axes, so there is no axis {n} to drive"):
         setattr(joint, f"motor_max_force{n}", 1.0)
     assert getattr(joint, f"motor_max_force{n}") == 0.0
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.3, -0.5])
+def test_a_steering_brake_takes_rolling_for_steering_as_documented(lean):
+    """It stops all of the spin about axis1: rate1 + cos(angle between the axes) rate2 = 0."""
+    world = oo.World(gravity=(0, 0, 0), solver="exact")
+    chassis, wheel = world.attach(oo.Body(kinematic=True)), world.attach(oo.Body())
+    wheel.fixed_mass = oo.Mass.sphere(0.3, mass=5)
+    axis2 = oo.Vec3(0, math.sin(lean), math.cos(lean))
+    joint = oo.Hinge2(chassis, wheel, axis1=(0, 1, 0), axis2=axis2)
+    joint.motor(0.0, math.inf, axis=1)
+    wheel.angular_velocity = axis2 * 4.0
+    world.step()
+    assert joint.angle_rate1 == pytest.approx(-math.sin(lean) * joint.angle_rate2, rel=5e-3, abs=1e-6)
+    assert joint.angle_rate2 > 2.0
