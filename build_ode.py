@@ -5,7 +5,19 @@ from pathlib import Path
 from cffi import FFI
 
 NATIVE = Path("osgode") / "native"
-UNITS = ("support", "core", "glide", "geoms", "heightfield", "terrain", "polytope", "collide", "joints", "step")
+UNITS = (
+    "support",
+    "core",
+    "glide",
+    "geoms",
+    "heightfield",
+    "terrain",
+    "polytope",
+    "collide",
+    "joints",
+    "gears",
+    "step",
+)
 
 ffi = FFI()
 ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())

@@ -265,6 +265,7 @@ int oo_run(oo_world *w, unsigned int count) {
     w->broken_count = 0;
     while (done < count) {
         if (w->servo_count) drive_servos(w);
+        if (w->gear_count) mesh_gears(w);
         int status = collide(w);
         if (status == OO_OK) status = respond(w);
         if (status == OO_OK) {
@@ -282,6 +283,7 @@ int oo_run(oo_world *w, unsigned int count) {
         done++;
         find_bad_body(w);
         if (w->bad_body >= 0) return OO_BAD_BODY;
+        if (w->gear_count) count_gears(w);
         if (w->breakable_count) find_broken_joints(w);
         if (w->event_count || w->broken_count) break;
     }

@@ -16,6 +16,7 @@ from osgode.maths import FloatArray, pose_matrices
 from osgode.native import checked, ffi, forward_messages, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
+from osgode.nodes.listeners import tell_let_go
 from osgode.nodes.realm import Realm
 from osgode.nodes.spaces import Space
 from osgode.nodes.touch import contact_rows, tell_touches
@@ -203,13 +204,12 @@ class World(WorldSettings, Group):
                 left -= done
                 self._time += done * ptr.step_size
                 forward_messages()
-            broken = [joint._break() for joint in self._overloaded(realm)] if ptr.broken_count else []
+            broken = [call for joint in self._overloaded(realm) for call in joint._break()] if ptr.broken_count else []
             try:
                 if ptr.event_count and done:
                     tell_touches(realm)
             finally:  # a listener that fails keeps nobody from hearing
-                for tell_listeners in broken:
-                    tell_listeners()
+                tell_let_go(broken)
             if done:  # else nothing was collided, and the ends of touching are still to be told
                 self._forget_retired(realm)
             realm.broken = status == lib.OO_BROKEN
