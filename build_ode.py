@@ -6,7 +6,8 @@ from cffi import FFI
 
 NATIVE = Path("osgode") / "native"
 UNITS = (
-    *("support", "core", "glide", "geoms", "heightfield", "terrain", "polytope", "collide", "joints"),
+UNITS = (
+    *("support", "core", "glide", "geoms", "heightfield", "terrain", "polytope", "collide", "joints", "gears"),
     *("boxtree", "broad", "step", "queries", "gjk", "triangles", "sweep"),
 )
 HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "shapes.h", "ode.cdef")

@@ -1,5 +1,9 @@
 """A scene graph joined with the Open Dynamics Engine: rigid bodies as nodes of a tree."""
 
+from osgode.assemblies.base import Assembly
+from osgode.assemblies.chains import Chain, chain
+from osgode.assemblies.ragdolls import Ragdoll, ragdoll
+from osgode.assemblies.wheels import Wheel, suspension_wheel
 from osgode.errors import (
     FieldError,
     MissingExtraError,
@@ -71,12 +75,14 @@ __all__ = [
     "PUBLISHED",
     "AngularMotor",
     "Appearance",
+    "Assembly",
     "Ball",
     "Bin",
     "Body",
     "Box",
     "Capsule",
     "CentreOfMass",
+    "Chain",
     "ConvexHull",
     "CullVisitor",
     "Cylinder",
@@ -120,6 +126,7 @@ __all__ = [
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
+    "Ragdoll",
     "Ray",
     "Reaction",
     "Rectangle",
@@ -148,10 +155,12 @@ __all__ = [
     "Vec3Like",
     "View",
     "Visitor",
+    "Wheel",
     "World",
     "box_drawable",
     "capsule_drawable",
     "centre_of_mass_drawable",
+    "chain",
     "colliders",
     "cylinder_drawable",
     "define_kind",
@@ -160,5 +169,7 @@ __all__ = [
     "load_model",
     "load_texture",
     "look_at",
+    "ragdoll",
     "sphere_drawable",
+    "suspension_wheel",
 ]

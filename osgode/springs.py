@@ -10,5 +10,5 @@ def implicit(stiffness: float, damping: float, step_size: float) -> tuple[float,
 
     ``ERP = h k / (h k + d)`` and ``CFM = 1 / (h k + d)`` (the ODE manual, "How to use ERP and CFM").
     """
-    hardness = step_size * stiffness + damping
+    hardness = max(step_size * stiffness + damping, SMALLEST)  # of less ODE would make an infinite softness
     return step_size * stiffness / hardness, max(1.0 / hardness, SMALLEST)

@@ -24,6 +24,7 @@ ORDER = [
     "render",
     "nodes",
     "joints",
+    "assemblies",
     "collision",
     "batch",
     "snapshot",

@@ -14,8 +14,12 @@ from osgode.nodes.base import HasFields
 from tests.strategies import CASES, MAKERS, ROUNDED, Case, Stand, accepted, refused, same
 
 MOVABLE = [case for case in CASES if case.cls is not oo.World]
-EXCLUSIVE = {"density"}
-"""Can't be given beside ``mass``."""
+
+
+def is_exclusive(case):
+    """Whether it can't be given beside others: beside ``mass``, beside ERP and CFM, beside a motor."""
+    spring = issubclass(case.cls, oo.Joint) and ("stiffness" in case.name or "damping" in case.name)
+    return spring or case.name in {"density", "servo"}
 
 
 def each(cases, **more):
@@ -39,12 +43,18 @@ def each(cases, **more):
     return decorate
 
 
+def of_world(case):
+    """The World's field that this one follows."""
+    if not issubclass(case.cls, oo.Joint):
+        return case.name
+    return "erp" if "erp" in case.name else "cfm"
+
+
 def value_in_force(case, stand):
     """What a fresh native must show: the default, or what it follows."""
     if not isinstance(case.field, Followed):
         return case.field.default
-    name = case.name.removeprefix("stop_")
-    return getattr(stand.world, name)
+    return getattr(stand.world, of_world(case))
 
 
 def concrete(cls=HasFields):
@@ -150,7 +160,7 @@ def test_the_default_can_be_put_back(case):
         assert same(getattr(stand.node, case.name), case.field.default, 1e-15)
 
 
-@each([case for case in MOVABLE if not issubclass(case.cls, oo.Joint)], live=[False, True])
+@each([case for case in MOVABLE if not issubclass(case.cls, oo.Joint | oo.Servo)], live=[False, True])
 def test_a_copy_has_the_value_and_lets_go_of_it(case, live):
     """The copy is outside, equal, and independent of its original."""
     for value in accepted(case):
@@ -169,7 +179,7 @@ def test_a_copy_has_the_value_and_lets_go_of_it(case, live):
         assert same(getattr(twin, case.name), case.field.default)
 
 
-@pytest.mark.parametrize("cls", [cls for cls in MAKERS if not issubclass(cls, oo.Joint | oo.World)])
+@pytest.mark.parametrize("cls", [cls for cls in MAKERS if not issubclass(cls, oo.Joint | oo.Servo | oo.World)])
 def test_a_copy_of_a_live_node_can_go_to_another_world(cls):
     stand, other = Stand(cls), Stand(cls)
     stand.enter()
@@ -184,7 +194,7 @@ def filled(node):
     given = {}
     for name in node.FIELDS:
         case = Case(type(node), name)
-        if name in EXCLUSIVE or (node.is_live and case.field.fixed):
+        if case not in CASES or is_exclusive(case) or (node.is_live and case.field.fixed):
             continue
         given[name] = accepted(case)[0]
         setattr(node, name, given[name])
@@ -202,7 +212,8 @@ def assert_holds(node, given, but=""):
 def test_all_fields_at_once_survive_coming_and_going(cls):
     """No field's way in or out spoils another's."""
     stand = Stand(cls)
-    assert set(filled(Stand(cls).node)) == set(cls.FIELDS) - EXCLUSIVE
+    wanted = {case.name for case in CASES if case.cls is cls and not is_exclusive(case)}
+    assert set(filled(Stand(cls).node)) == wanted
     given = filled(stand.node)
     assert_holds(stand.node, given)
     if cls is oo.World:
@@ -218,7 +229,7 @@ WAKES = {"position", "rotation", "linear_velocity", "angular_velocity", "force",
 """Setting these wakes a body that sleeps: it is asked to do something."""
 
 
-@each([case for case in CASES if case.name not in EXCLUSIVE], live=[False, True])
+@each([case for case in CASES if not is_exclusive(case)], live=[False, True])
 def test_setting_one_field_changes_no_other(case, live):
     stand = Stand(case.cls)
     if case.cls is not oo.World and live:
@@ -369,7 +380,7 @@ def test_a_body_follows_its_world_until_it_has_a_value_of_its_own(case):
 def test_a_joint_follows_its_world_until_it_has_a_value_of_its_own(case):
     stand = Stand(case.cls)
     stand.enter()
-    name = case.name.removeprefix("stop_")
+    name = of_world(case)
     setattr(stand.world, name, 0.5)
     assert getattr(stand.node, case.name) == 0.5
     setattr(stand.node, case.name, 0.25)
@@ -393,7 +404,7 @@ def test_a_copy_of_a_live_body_follows_its_new_world():
 # -- reprs
 
 
-@pytest.mark.parametrize("cls", [cls for cls in MAKERS if not issubclass(cls, oo.Joint)])
+@pytest.mark.parametrize("cls", [cls for cls in MAKERS if not issubclass(cls, oo.Joint | oo.Servo)])
 def test_a_repr_shows_what_is_not_the_default(cls):
     stand = Stand(cls)
     node = stand.node

@@ -21,7 +21,8 @@ import pytest
 
 import osgode as oo
 from osgode.native import last_error
-from tests.strategies import CUBE
+from tests.strategies import CUBE, JOINED, NEEDS_TWO
+from tests.strategies import join as joined
 from tests.trees import is_consistent
 
 SEEDS = int(os.environ.get("OSGODE_FUZZ_SEEDS", "4"))
@@ -64,12 +65,13 @@ OTHERS = [
         oo.Surface(INF, bounce=1, slip=1e6, soft_cfm=1e-12),
         oo.Node(),
     ),
+    *(oo.Servo(), oo.Servo(target=1.0), (oo.Vec3(1, 0, 0), oo.Vec3(0, 0, 1)), "euler", "chain", "body1", "world"),
     *(oo.Drawable(oo.Mesh(np.array(CUBE[0], np.float32), np.array(CUBE[1], np.uint32))), CUBE),
 ]
 SPACES = [oo.SimpleSpace, oo.HashSpace, oo.QuadTreeSpace, oo.SweepAndPruneSpace]
 SOLIDS = [oo.Box, oo.Sphere, oo.Capsule, oo.Cylinder]
 FROM_DATA = {oo.Trimesh: CUBE, oo.ConvexHull: CUBE, oo.Heightfield: [[0, 1, 0], [1, 0, 1]]}
-JOINTS = [oo.Ball, oo.Hinge, oo.Slider, oo.Fixed]
+JOINTS = list(dict.fromkeys(cls for cls, _, _ in JOINED.values()))
 NODES = [*SPACES, *SOLIDS, oo.Body, oo.Placeable, oo.Plane, oo.Ray]
 
 VERBS = [
@@ -85,10 +87,14 @@ VERBS = [
     (oo.World, "collide", 2, ()),
     (oo.World, "stop_colliding", 2, ()),
     (oo.World, "geom_of_slot", 1, ()),
-    (oo.Hinge, "motor", 2, ()),
-    (oo.Slider, "motor", 2, ()),
-    (oo.Hinge, "add_torque", 1, ()),
-    (oo.Slider, "add_force", 1, ()),
+    *((cls, "motor", 2, ()) for cls in (oo.Hinge, oo.Slider)),
+    *((cls, "motor", 2, ("axis",)) for cls in (oo.Universal, oo.PU, oo.AngularMotor, oo.LinearMotor, oo.Plane2D)),
+    *((cls, "add_torque", 1, ()) for cls in (oo.Hinge, oo.Piston, oo.PR)),
+    *((cls, "add_force", 1, ()) for cls in (oo.Slider, oo.Piston)),
+    *((cls, "add_torques", 2, ()) for cls in (oo.Universal, oo.Hinge2, oo.AngularMotor)),
+    (oo.Plane2D, "straighten", 0, ()),
+    (oo.Joint, "anchor_anew", 0, ("anchor", "axis1")),
+    (oo.Joint, "on_let_go", 1, ()),
     (oo.Fixed, "fix", 0, ()),
     (oo.Joint, "release", 0, ()),
     (oo.Joint, "__repr__", 0, ()),
@@ -142,7 +148,9 @@ class Fuzz:
             bodies.append(body)
         floor = spaces[2].attach(oo.Placeable(position=(0, -2, 0)))
         self.nodes += [*spaces, inner, plane, *bodies, floor, floor.attach(oo.Box((9, 1, 9)))]
-        self.joints += [cls(*bodies[i : i + 2]) for i, cls in enumerate(JOINTS)]
+        for kind in JOINED:
+            one, two = self.random.sample(bodies, 2)
+            self.joints.append(joined(kind, one, two if kind in NEEDS_TWO or self.random.random() < 0.5 else None))
 
     def value(self):
         r = self.random.random()
@@ -195,7 +203,8 @@ class Fuzz:
         return None
 
     def set_field(self):
-        node = self.random.choice([*self.nodes, *self.nodes, *self.joints, *self.worlds])
+        servos = [joint.servo for joint in self.joints if getattr(joint, "servo", None) is not None]
+        node = self.random.choice([*self.nodes, *self.nodes, *self.joints, *servos, *self.worlds])
         if not node.FIELDS:
             return
         name = self.random.choice(list(node.FIELDS))
@@ -221,13 +230,17 @@ class Fuzz:
         bodies = [node for node in self.nodes if isinstance(node, oo.Body)]
         names = self.random.sample(list(cls.FIELDS), self.random.choice((0, 1, 2)))
         kwargs = {name: self.field_value(cls, name) for name in names}
-        if cls is not oo.Fixed and self.random.random() < 0.5:
-            kwargs["anchor" if cls is oo.Ball else "axis"] = self.value()
+        if self.random.random() < 0.5:
+            wanted = [
+                *cls.SPOTS,
+                *{oo.AngularMotor: ("axes", "relative_to", "mode"), oo.Transmission: ("mode",)}.get(cls, ()),
+            ]
+            kwargs |= {name: self.value() for name in wanted if self.random.random() < 0.5}
         pair = [self.random.choice(bodies) if self.random.random() < 0.9 else self.value() for _ in range(2)]
         joint = self.call(cls.__name__, cls, *pair[: self.random.choice((1, 2, 2))], **kwargs)
         if joint is not None:
-            if len(self.joints) > 30:
-                self.joints.pop(0).release()
+            if len(self.joints) > 50:
+                self.call("release", self.joints.pop(0).release)
             self.joints.append(joint)
 
     def verb(self):
@@ -244,6 +257,8 @@ class Fuzz:
             return
         kwargs = {keyword: self.value() for keyword in keywords if self.random.random() < 0.5}
         made = self.call(f"{self.label(thing)}.{name}", getattr(thing, name), *args, **kwargs)
+        if name == "on_let_go" and made is not None:
+            thing.remove_on_let_go(made)  # what else is callable here would raise wherever the joint lets go
         if name == "copy" and made is not None and len(self.nodes) < 120:
             self.nodes += [node for node in made.walk() if isinstance(node, oo.PhysicsNode)]
 
@@ -255,13 +270,8 @@ class Fuzz:
             self.call(f"{self.label(thing)}.{name}", getattr, thing, name)
 
     def write_property(self):
-        choices = [
-            (oo.Hinge, "anchor"),
-            (oo.Hinge, "axis"),
-            (oo.Slider, "axis"),
-            (oo.Ball, "anchor"),
-            (oo.World, "surfaces"),
-        ]
+        choices = [(cls, name) for cls in JOINTS for name in cls.SPOTS] + [(oo.World, "surfaces")]
+        choices += [(oo.AngularMotor, "axes"), (oo.LinearMotor, "axes")]
         cls, name = self.random.choice(choices)
         things = [thing for thing in (*self.joints, *self.worlds) if isinstance(thing, cls)]
         if things:
@@ -503,7 +513,7 @@ def chaos(seed, steps):  # noqa: C901, PLR0912, PLR0915 - one rig and many small
     def join(body):
         if len(body.joints) < 2 and len(bodies) > 1:
             other = dice.choice([other for other in bodies if other is not body])
-            dice.choice(JOINTS)(body, other)
+            joined(dice.choice(list(JOINED)), body, other)
 
     def listener(touch):
         counts["told"] += 1

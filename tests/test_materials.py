@@ -106,7 +106,7 @@ def test_kinds_come_in_any_collection(kinds):
 
 
 def test_a_surface_is_a_row_of_odes():
-    row = oo.Surface(0.25, bounce=0.5, bounce_velocity=0.2, slip=0.01, soft_erp=0.3, soft_cfm=1e-4).row()
+    row = oo.Surface(0.25, bounce=0.5, bounce_velocity=0.2, slip=0.01, soft_erp=0.3, soft_cfm=1e-4).row(0.01)
     assert (row.mu, row.bounce, row.bounce_vel) == (0.25, 0.5, 0.2)
     assert (row.slip1, row.slip2, row.soft_erp, row.soft_cfm) == (0.01, 0.01, 0.3, 1e-4)
     wanted = (
@@ -121,10 +121,10 @@ def test_a_surface_is_a_row_of_odes():
 
 
 def test_a_plain_surface_turns_nothing_on():
-    assert oo.Surface().row().mode == lib.dContactApprox1
-    assert oo.Surface(model="force limit").row().mode == lib.dContactApprox0
-    assert oo.Surface(math.inf).row().mu == math.inf
-    rolling = oo.Surface(rolling_friction=0.02).row()
+    assert oo.Surface().row(0.01).mode == lib.dContactApprox1
+    assert oo.Surface(model="force limit").row(0.01).mode == lib.dContactApprox0
+    assert oo.Surface(math.inf).row(0.01).mu == math.inf
+    rolling = oo.Surface(rolling_friction=0.02).row(0.01)
     assert rolling.mode == lib.dContactApprox1 | lib.dContactRolling
     assert (rolling.rho, rolling.rho2, rolling.rhoN) == (0.02, 0.02, 0.02)
 
@@ -138,6 +138,7 @@ def test_a_plain_surface_turns_nothing_on():
         *(("slip", value) for value in (-0.1, math.nan, math.inf, None)),
         *(("soft_erp", value) for value in (-0.1, 1.1, math.nan)),
         *(("soft_cfm", value) for value in (-1.0, 0.0, 1e-13, math.nan, math.inf)),
+        *((name, value) for name in ("stiffness", "damping") for value in (-0.1, math.nan, math.inf, 1e16, "much")),
         *(("rolling_friction", value) for value in (-0.1, math.nan, math.inf)),
         *(("model", value) for value in ("", "cone", None, 1, ["pyramid"])),
     ],
@@ -147,6 +148,27 @@ def test_a_surface_out_of_range_is_refused(name, bad):
     """No friction from NaN, no energy from a bounce above 1, no endless LCP messages from negative softness."""
     with pytest.raises(oo.FieldError, match=rf"Surface\.{name} is .*must be"):
         oo.Surface(**{name: bad})
+
+
+@pytest.mark.parametrize("h", [0.01, 0.002])
+@pytest.mark.parametrize(("k", "d"), [(5000.0, 20.0), (5000.0, None), (None, 20.0), (0.0, 20.0), (5000.0, 0.0)])
+def test_a_surface_that_is_a_spring_depends_on_the_step_size(k, d, h):
+    """ERP = h k / (h k + d) and CFM = 1 / (h k + d)."""
+    row = oo.Surface(stiffness=k, damping=d).row(h)
+    hk, d = h * (k or 0.0), d or 0.0
+    assert row.soft_erp == pytest.approx(hk / (hk + d), rel=1e-14)
+    assert row.soft_cfm == pytest.approx(1 / (hk + d), rel=1e-14)
+    assert row.mode == lib.dContactApprox1 | lib.dContactSoftERP | lib.dContactSoftCFM
+
+
+def test_a_spring_excludes_softness():
+    for soft in ("soft_erp", "soft_cfm"):
+        for spring in ("stiffness", "damping"):
+            with pytest.raises(oo.FieldError, match="Surface: give either stiffness and damping, or soft_erp"):
+                oo.Surface(**{soft: 0.5, spring: 100.0})
+    for nothing in ({"stiffness": 0.0}, {"damping": 0.0}, {"stiffness": 0.0, "damping": 0.0}):
+        with pytest.raises(oo.FieldError, match="Surface: stiffness and damping are both 0"):
+            oo.Surface(**nothing)
 
 
 # -- the table

@@ -5,12 +5,16 @@ from pathlib import Path
 
 import osgode as oo
 from osgode.fields import Followed
+from osgode.joints.spots import Anchor, Coordinate, Seen, Spot
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference.md"
 HEAD = """# Fields
 
 Made by `tools/reference.py` from the tables in the classes. Every field is a keyword argument of its class and an
 attribute that can be read and set, in or out of a World; those marked *fixed* can't be set while in one.
+
+Anchors and axes of joints are keyword arguments too, and setting one anchors the joint anew; what is only read follows
+from how the bodies stand.
 """
 
 
@@ -37,7 +41,26 @@ def page() -> str:
             default = "the World's" if isinstance(field, Followed) else _short(field.default)
             note = " *fixed*" if field.fixed else ""
             parts.append(f"| `{name}` | {default} | {field.check.expects} | {field.__doc__}{note} |")
+        parts += spots(cls)
     return "\n".join(parts).replace("|  |", "| |") + "\n"
+
+
+def spots(cls: type) -> list[str]:
+    """The tables of a joint's anchors and axes, and of what it only reads."""
+    found = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
+    places = {name: value for name, value in found.items() if isinstance(value, Spot | Seen)}
+    read = {name: value for name, value in found.items() if isinstance(value, Coordinate)}
+    parts = []
+    if places:
+        parts.append("\n| anchor or axis | carried by | |\n|---|---|---|")
+    for name, value in places.items():
+        kind = "point" if isinstance(value, Anchor | Seen) else "direction"
+        note = " *only read*" if isinstance(value, Seen) else ""
+        parts.append(f"| `{name}`, a {kind} | `body{value.side + 1}` | {value.__doc__}{note} |")
+    if read:
+        parts.append("\n| only read | |\n|---|---|")
+    parts += [f"| `{name}` | {value.__doc__} |" for name, value in read.items()]
+    return parts
 
 
 def _short(value: object) -> str:

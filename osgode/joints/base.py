@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
 
 from osgode.errors import FieldError, ParameterError, PhysicsError, StateError, TreeError, shown
 from osgode.fields import FLAG, Field, FlagField, Followed, number, optional
-from osgode.joints.events import LetGo, Reaction, tell
+from osgode.joints.events import LetGo, Reaction
 from osgode.joints.rest import AtRest
 from osgode.joints.spots import BODY1, BODY2, Spot
 from osgode.maths import Pose, Vec3
 from osgode.native import ffi, last_error, lib
 from osgode.nodes.base import HasFields
 from osgode.nodes.body import Body
+from osgode.nodes.listeners import tell_let_go
 
 if TYPE_CHECKING:
+    from osgode.nodes.listeners import Call
     from osgode.nodes.realm import Realm
 
 TWO_BODIES = (2,)
@@ -112,6 +114,7 @@ class Joint(HasFields):
         self._set_fields(fields)
         self._complete()
         self._ready = True
+        self._sprung()
         for body in self._bodies:
             body._joints.append(self)
         try:
@@ -130,9 +133,9 @@ class Joint(HasFields):
                 raise TreeError(
                     f"{self.describe()}: {which} is {shown(body)}; it must be a Body" + " or None" * (not needed)
                 )
-        if body1 is body2:
+        if isinstance(body1, Body) and body1 is body2:
             raise TreeError(
-                f"{self.describe()}: body1 and body2 are both {shown(body1)}; a joint needs two different bodies"
+                f"{self.describe()}: body1 and body2 are both {body1.describe()}; a joint needs two different bodies"
             )
 
     def describe(self) -> str:
@@ -200,10 +203,10 @@ class Joint(HasFields):
                 self._wake()
         if not self._released:
             self._forget()
-            self._tell(LetGo(self, "released"))
+            tell_let_go(self._calls(LetGo(self, "released")))
 
-    def _break(self) -> Callable[[], None]:
-        """Release the bodies because it had to bear too much; the result tells the listeners."""
+    def _break(self) -> list[Call]:
+        """Release the bodies because it had to bear too much; the listeners are then to be called."""
         row = self._read("breaking it")
         event = LetGo(self, "broke", Vec3(*row.force1).length, Vec3(*row.torque).length)
         with self._live("breaking it").editing():
@@ -211,13 +214,14 @@ class Joint(HasFields):
             self._wake()
         self._broken = True
         self._forget()
-        return lambda: self._tell(event)
+        return self._calls(event)
 
-    def _tell(self, event: LetGo) -> None:
-        tell((listener, event) for listener in self._listeners)
+    def _lose(self) -> list[Call]:
+        """A body has left; the listeners are to be called."""
+        return self._calls(LetGo(self, "left"))
 
-    def _lose(self) -> None:
-        self._tell(LetGo(self, "left"))
+    def _calls(self, event: LetGo) -> list[Call]:
+        return [(listener, event) for listener in self._listeners]
 
     def on_let_go(self, listener: Callable[[LetGo], object]) -> Callable[[LetGo], object]:
         """Have ``listener`` called when the joint breaks, is released, or loses a body; usable as a decorator.
@@ -434,6 +438,8 @@ class Joint(HasFields):
 
     def _sprung(self) -> None:
         """Called when a spring, or the ERP or CFM instead of it, has changed."""
+        if not self._ready:
+            return  # a new joint is given one after the other: only all of them together must be right
         for name, field in self.FIELDS.items():
             place = getattr(field, "spring", None)
             if place is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -43,18 +42,3 @@ class Reaction(NamedTuple):
     force2: Vec3
     torque2: Vec3
     torque: Vec3
-
-
-def tell(calls: Iterable[tuple[Callable[[LetGo], object], LetGo]]) -> None:
-    """Call the listeners; all are heard before an error of one is raised."""
-    errors: list[Exception] = []
-    for call, event in list(calls):
-        try:
-            call(event)
-        except Exception as error:  # noqa: BLE001 - every listener is heard before the errors are raised
-            error.add_note(f"raised by a listener of {event.joint.describe()}, which {event.reason}")
-            errors.append(error)
-    if len(errors) == 1:
-        raise errors[0]
-    if errors:
-        raise ExceptionGroup("several joint listeners failed", errors)

@@ -16,7 +16,7 @@ from osgode.native import lib
 from osgode.nodes.body import Body
 
 
-class Hinge2Fields(JointFields, Limot1Fields):
+class Hinge2Fields(JointFields, Limot1Fields, total=False):
     """The keyword arguments of `Hinge2` beside its anchor and axes."""
 
     suspension_erp: float | None
@@ -34,6 +34,11 @@ class Hinge2(Turning1, Anchored):
     All angles, rates, stops and motors are those of the wheel as the chassis sees it: a positive ``motor_velocity2``
     turns the wheel about plus ``axis2``, and a positive ``angle1`` has turned it about plus ``axis1``. (ODE counts them
     the other way, as those of the chassis against the wheel.) The wheel's own axis has no stops in ODE.
+
+    ODE's equations leave out that ``axis1`` turns with the chassis: while the suspension is pressed by x and the
+    chassis turns at w across it, the hub stays about ``w x step_size / erp`` off the axis (`error`). A steering motor
+    or stop acts on all of the spin about ``axis1``, so it takes rolling for steering unless the two axes are
+    perpendicular.
 
     Args:
         body1: the chassis.

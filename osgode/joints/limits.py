@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from typing import Any, TypedDict
 
-from osgode.errors import FieldError
+from osgode.errors import FieldError, shown
 from osgode.fields import SMALLEST, Check, Field, Followed, NumberField, number, optional
 from osgode.joints.base import Joint
 from osgode.native import lib
@@ -87,7 +87,7 @@ def spring_fields(
     instead = "instead of " + " and ".join(f"{place[0]}{name}{place[1]}" for name in ("erp", "cfm"))
     return (
         Softness(codes[0], "erp", place, f"The part of the error of {what} that is corrected in one step."),
-        Softness(codes[1], "cfm", place, f"How soft {what} is: speed that it gives way with per force, 1/(N s/m)."),
+        Softness(codes[1], "cfm", place, f"Softness of {what}: speed of giving way per force, 1/(N s/m)."),
         Field(None, optional(number(0.0, 1e15)), after="_sprung", unit=stiff, doc=f"Of {what} as a spring, {instead}."),
         Field(None, optional(number(0.0, 1e15)), after="_sprung", unit=damp, doc=f"Of {what}, with its stiffness."),
     )
@@ -262,12 +262,12 @@ class Driven(Joint):
         Raises:
             FieldError: for a bad number, or an axis that the joint hasn't got.
         """
-        after = "" if axis is None else str(axis)
-        names = [f"motor_max_force{after}", f"motor_velocity{after}"]
-        if names[0] not in self.FIELDS:
-            known = [name[15:] for name in self.FIELDS if name.startswith("motor_max_force")]
+        known = sorted(name.removeprefix("motor_max_force") for name in self.FIELDS if name.startswith("motor_max"))
+        after = "" if axis is None else str(axis) if type(axis) is int and 0 < axis < 4 else "none of them"
+        if after not in known:
             right = f"must be one of {', '.join(known)}" if known != [""] else "must not be given"
-            raise FieldError(f"{self.describe()}.motor().axis is {axis}; it {right}")
+            raise FieldError(f"{self.describe()}.motor().axis is {shown(axis)}; it {right}")
+        names = [f"motor_max_force{after}", f"motor_velocity{after}"]
         for name, value in zip(names, (max_force, velocity), strict=True):
             self.FIELDS[name].check(self.describe(), name, value)
         setattr(self, names[0], max_force)

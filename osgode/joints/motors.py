@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, TypedDict, Unpack
 
 from osgode.errors import FieldError, shown
@@ -44,7 +44,7 @@ class _Motor(Driven):
     ) -> None:
         self.name = name
         self._axes, self._relative = self._checked_axes(axes, relative_to)
-        super().__init__(body1, body2, name=name, **fields)
+        super().__init__(body1, body2, name=name, spots={}, **fields)
 
     def _checked_axes(self, axes: Any, relative_to: Any) -> tuple[list[Vec3], list[str]]:
         try:
@@ -80,11 +80,12 @@ class _Motor(Driven):
         self._set_axes(value)
 
     def _set_axes(self, value: Sequence[Vec3Like]) -> None:
-        axes, _ = self._checked_axes(value, self._relative if len(value) == len(self._axes) else "world")
-        if len(axes) != len(self._axes):
+        given = list(value) if isinstance(value, Iterable) else []
+        if len(given) != len(self._axes):
             raise FieldError(
                 f"{self.describe()}.axes is {shown(value)}; it must be {len(self._axes)} directions, as before"
             )
+        axes, _ = self._checked_axes(given, self._relative)
         before = self._axes
         self._axes = axes
         try:
@@ -125,7 +126,7 @@ class _Motor(Driven):
         return flat, [0, len(self._axes), *(numbers[each] for each in self._relative)]
 
 
-class AngularMotorFields(JointFields, Limot1Fields, Limot2Fields, Limot3Fields):
+class AngularMotorFields(JointFields, Limot1Fields, Limot2Fields, Limot3Fields, total=False):
     """The keyword arguments of `AngularMotor` beside axes and mode."""
 
     user_angle1: float
@@ -241,14 +242,18 @@ class AngularMotor(_Motor):
         angles = (self.user_angle1, self.user_angle2, self.user_angle3)
         if self._mode == "euler" and any(angles):
             raise FieldError(f"{self.describe()} is in the mode 'euler' and measures its angles; it can't be told them")
-        if self._realm is not None and self._mode == "user":
-            for i, angle in enumerate(angles[: self._count()]):
-                self._set_param(lib.OO_ANGLE + 0x100 * i, angle)
+        if self._realm is not None:
+            self._put_angles()
             self._wake()
+
+    def _put_angles(self) -> None:
+        if self._mode == "user":
+            for i, angle in enumerate((self.user_angle1, self.user_angle2, self.user_angle3)[: self._count()]):
+                self._set_param(lib.OO_ANGLE + 0x100 * i, angle)
 
     def _enter_fields(self) -> None:
         super()._enter_fields()
-        self._send_angles()
+        self._put_angles()
 
     def add_torques(self, torque1: float, torque2: float = 0.0, torque3: float = 0.0) -> None:
         """Turn ``body1`` about the axes (N m) in the next step, and ``body2`` against it."""

@@ -50,7 +50,7 @@ class Plane2D(Driven):
 
     def __init__(self, body: Body, *, name: str = "", **fields: Unpack[Plane2DFields]) -> None:
         self._params: dict[int, float] = {}
-        super().__init__(body, name=name, **fields)
+        super().__init__(body, None, name=name, spots={}, **fields)
 
     @property
     def error(self) -> float:

@@ -143,11 +143,14 @@ class ServoDriven(Driven):
             return
         with self._by_servo():
             self.motor_max_force = servo.max_force
-            if self._realm is None:
-                return
-            with self._live("servo").editing() as realm:
-                row = {name: getattr(servo, name) for name in ("target", "max_speed", "frequency", "damping_ratio")}
-                lib.oo_joint_drive(realm.ptr, self._native, ffi.new("oo_servo *", row | {"turns": self._goes_round()}))
+        self._tell_core(servo)
+
+    def _tell_core(self, servo: Servo) -> None:
+        if self._realm is None:
+            return
+        with self._live("servo").editing() as realm:
+            row = {name: getattr(servo, name) for name in ("target", "max_speed", "frequency", "damping_ratio")}
+            lib.oo_joint_drive(realm.ptr, self._native, ffi.new("oo_servo *", row | {"turns": self._goes_round()}))
 
     def _stop_serving(self) -> None:
         with self._by_servo():
@@ -181,4 +184,5 @@ class ServoDriven(Driven):
 
     def _enter_fields(self) -> None:
         super()._enter_fields()
-        self._serve()
+        if self.servo is not None:
+            self._tell_core(self.servo)

@@ -24,7 +24,7 @@ class PUFields(JointFields, Limot1Fields, Limot2Fields, Limot3Fields):
     """The keyword arguments of `PU` beside anchor and axes."""
 
 
-class Piston(Sliding1, Turning2, Anchored):
+class Piston(Turning2, Sliding1, Anchored):
     """Lets ``body1`` slide along an axis and turn about the same axis, as a piston in its cylinder.
 
     Parameters with a 1 are those of sliding (m, N), those with a 2 are of turning (rad, N m).
@@ -78,7 +78,7 @@ class Piston(Sliding1, Turning2, Anchored):
         self._twist("add_torque", self.axis * value)
 
 
-class PR(Sliding1, Turning2, Anchored):
+class PR(Turning2, Sliding1, Anchored):
     """Lets ``body1`` slide along one axis and turn about another: ODE's prismatic-rotoide joint.
 
     The axis of turning is fixed in ``body2`` at the anchor; the axis of sliding is fixed in ``body1`` and turns
@@ -134,11 +134,14 @@ class PR(Sliding1, Turning2, Anchored):
         self._twist("add_torque", self.axis2 * value)
 
 
-class PU(Turning1, Turning2, Sliding3, Anchored):
+class PU(Sliding3, Turning2, Turning1, Anchored):
     """A universal joint whose cross also slides along an axis of ``body1``: ODE's prismatic-universal joint.
 
     Parameters with a 1 and 2 are those of turning about ``axis1`` and ``axis2`` (rad, N m), as in `Universal`; those
     with a 3 are of sliding along ``axis3`` (m, N).
+
+    ODE's equations leave out that ``axis3`` turns with ``body1``: while it is slid out by x and turns at w, the anchor
+    stays about ``w x step_size / erp`` beside the axis (`error`).
 
     Args:
         body1: the first body.

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Unpack
 
 from osgode.errors import FieldError, StateError
 from osgode.fields import SIZE_LIMITS, Field, NumberField, choice, number, optional
-from osgode.joints.anchored import not_parallel, origin_of
+from osgode.joints.anchored import origin_of, right_angle
 from osgode.joints.base import TWO_BODIES, Joint, JointFields
 from osgode.joints.limits import SpringFields, spring_fields
 from osgode.joints.spots import BODY1, BODY2, Anchor, Axis, Coordinate
@@ -19,7 +20,7 @@ MODE = choice(*MODES)
 RADIUS = optional(number(*SIZE_LIMITS))
 
 
-class TransmissionFields(JointFields, SpringFields):
+class TransmissionFields(JointFields, SpringFields, total=False):
     """The keyword arguments of `Transmission` beside its anchors and axes."""
 
     ratio: float
@@ -32,14 +33,18 @@ class Transmission(Joint):
     """Passes turning on from one wheel to another: spur gears, bevel gears, or sprockets with a chain.
 
     It neither holds the wheels nor their axles: each needs a hinge (to a frame, or to the static world) at the same
-    anchor about the same axis. How far it has turned is counted inside ODE since the joint was made, so what is left
-    of a chain's or a gear's error is forgotten when it is made again (a body left and came back, or its centre of mass
-    moved): the wheels go on from where they stand.
+    anchor about the same axis. How far its wheels have turned is counted since the joint was made, so what is left of
+    a chain's or a gear's error is forgotten when it is made again (a body left and came back, or its centre of mass
+    moved) or switched on: the wheels go on from where they stand. A wheel may not turn by more than a quarter of a
+    turn in a step: ODE loses count there.
 
     - "parallel": gears on parallel axes, whose radii are in the relation ``ratio`` = radius1 / radius2: ``body2`` turns
       ``ratio`` times as fast, the other way round.
-    - "intersecting": bevel gears; the radii follow from where the planes of the wheels meet.
+    - "intersecting": bevel gears at a right angle; the radii follow from where the planes of the wheels meet. (For
+      other angles ODE's equations depend on where in the world the gears are.)
     - "chain": sprockets of ``radius1`` and ``radius2``: ``body2`` turns radius1 / radius2 times as fast, the same way.
+      ODE mixes up rows and columns where it places the chain, so its pull, not its ratio, depends on how the sprockets
+      lie in the world; with ``axis1`` along the world's Y it is right, and where it would vanish you are told so.
 
     Args:
         body1: the first wheel.
@@ -47,7 +52,8 @@ class Transmission(Joint):
         anchor1: the middle of the first wheel in the world, metres; its origin if not given.
         anchor2: the middle of the second wheel.
         axis1: direction in the world that the first wheel turns about.
-        axis2: the same of the second; it must be parallel to ``axis1`` for gears and chains, where it may be left out.
+        axis2: the same of the second; it must be parallel to ``axis1`` for gears and chains, where it may be left out,
+            and within 0.01 rad of a right angle to it for bevel gears, and is made exact.
         mode: "parallel", "intersecting" or "chain"; it can't be changed.
         ratio: of gears on parallel axes.
         radius1, radius2: metres, of sprockets.
@@ -116,7 +122,7 @@ class Transmission(Joint):
     def _fit(self, spots: dict[str, Vec3]) -> dict[str, Vec3]:
         way = spots["anchor2"] - spots["anchor1"]
         if self._mode == "intersecting":
-            not_parallel(self, spots, "axis1", "axis2")
+            spots = spots | {"axis2": right_angle(self, spots, "axis1", "axis2")}
             for radius, name in zip(_bevel_radii(spots), ("anchor1", "anchor2"), strict=True):
                 if radius < SIZE_LIMITS[0]:
                     raise FieldError(
@@ -134,12 +140,16 @@ class Transmission(Joint):
                 f"{self.describe()}.anchor2 is {tuple(spots['anchor2'])}; it must lie in the plane of the first wheel, "
                 f"through anchor1={tuple(spots['anchor1'])} across axis1={tuple(spots['axis1'])}, and beside anchor1"
             )
-        return spots | {"axis2": spots["axis1"]}
+        spots = spots | {"axis2": spots["axis1"]}
+        if self._ready:
+            self._check_gears(spots)
+        return spots
 
     def _complete(self) -> None:
         self._check_gears()
 
-    def _check_gears(self) -> None:
+    def _check_gears(self, spots: dict[str, Vec3] | None = None) -> None:
+        spots = self._spots if spots is None else spots
         chain = self._mode == "chain"
         for name in ("radius1", "radius2"):
             if chain != (getattr(self, name) is not None):
@@ -147,12 +157,27 @@ class Transmission(Joint):
                 raise FieldError(f"{self.describe()}: the mode {self._mode!r} {what} {name}")
         if self._mode != "parallel" and self.ratio != 1.0:
             raise FieldError(f"{self.describe()}.ratio is {self.ratio:g}; only the mode 'parallel' can be given one")
-        apart = self._spots["anchor1"].distance(self._spots["anchor2"])
+        apart = spots["anchor1"].distance(spots["anchor2"])
         if chain and abs((self.radius1 or 0.0) - (self.radius2 or 0.0)) >= apart:
             raise FieldError(
                 f"{self.describe()}: radius1={self.radius1} and radius2={self.radius2} differ by more than the "
                 f"{apart:g} m between the anchors"
             )
+        if chain and self._pull(spots) < 0.05:
+            raise FieldError(
+                f"{self.describe()}.axis1 is {tuple(spots['axis1'])}, across the way from anchor1 to anchor2 in "
+                "a direction in which ODE's chain can't pull; it must be another, (0, 1, 0) for instance"
+            )
+
+    def _pull(self, spots: dict[str, Vec3]) -> float:
+        """The part of the chain's pull that ODE lets act: 1 where its sprockets lie as it expects them."""
+        n, way = spots["axis1"], spots["anchor1"] - spots["anchor2"]
+        d = way.normalized()
+        side = d.cross(n)
+        c = ((self.radius2 or 0.0) - (self.radius1 or 0.0)) / way.length
+        along = (c, 0.0, math.sqrt(max(0.0, 1.0 - c * c)))
+        # ODE multiplies by the matrix of rows d, n and d x n, where its transpose would be right.
+        return Vec3(d.dot(along), n.dot(along), side.dot(along)).cross(n).length
 
     def _regear(self) -> None:
         if not self._ready:

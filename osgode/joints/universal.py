@@ -20,7 +20,7 @@ class UniversalFields(JointFields, Limot1Fields, Limot2Fields):
     """The keyword arguments of `Universal` beside its anchor and axes."""
 
 
-class Universal(Turning1, Turning2, Anchored):
+class Universal(Turning2, Turning1, Anchored):
     """Two bodies on a cross, as in a cardan shaft: turning about the shaft is passed on, bending is free.
 
     A cross stands between them: ``body1`` turns about ``axis1`` against the cross, and the cross about ``axis2``

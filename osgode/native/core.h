@@ -99,6 +99,10 @@ typedef struct oo_joint {
     oo_servo servo;
     int euler, axis_count, axis_of[3]; /* of motors: an axis is that of the world (0), of body 1 or of body 2 */
     double axes[3][3], references[2][3];
+    int gears;                      /* of a transmission: its mode */
+    int counting;                   /* its references are set, and ODE counts from `zero` */
+    double middles[2][3], sense[2]; /* of its wheels; 1 or -1: which way round ODE has their axes */
+    double turned[2], zero[2];      /* radians since it was made */
     dJointFeedback feedback;
 } oo_joint;
 
@@ -191,7 +195,7 @@ typedef struct oo_world {
 
     oo_mesh *meshes;
     oo_joint **joints;              /* dense: the last takes the place of one that is freed */
-    unsigned int joint_count, joint_capacity, servo_count, breakable_count;
+    unsigned int joint_count, joint_capacity, servo_count, breakable_count, gear_count;
     unsigned int *broken_joints;    /* indices of those that the last step overloaded */
     unsigned int broken_count, broken_capacity;
     dJointGroupID contact_group;

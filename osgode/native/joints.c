@@ -40,6 +40,7 @@ oo_joint *oo_joint_new(oo_world *w, int kind, dBodyID body1, dBodyID body2) {
     joint->id = id;
     joint->kind = kind;
     joint->born = w->steps;
+    w->gear_count += kind == OO_TRANSMISSION;
     joint->break_force = joint->break_torque = INFINITY;
     joint->index = w->joint_count;
     w->joints[w->joint_count++] = joint;
@@ -54,6 +55,7 @@ void oo_joint_free(oo_world *w, oo_joint *joint) {
         dJointDestroy(joint->id);
         guard_leave();
     }
+    w->gear_count -= joint->kind == OO_TRANSMISSION;
     w->joint_count--;
     w->joints[joint->index] = w->joints[w->joint_count];
     w->joints[joint->index]->index = joint->index;
@@ -64,14 +66,14 @@ void oo_joint_free(oo_world *w, oo_joint *joint) {
 /* ------------------------------------------------------------------ where it is */
 
 /* A direction of the world in the axes of body 1 or 2; in those of the world for 0, or where there is no body 2. */
-static void axis_of_body(const oo_joint *joint, int of, const double *world, double *local) {
+void axis_of_body(const oo_joint *joint, int of, const double *world, double *local) {
     dBodyID body = of ? dJointGetBody(joint->id, of - 1) : NULL;
     dVector3 result = {world[0], world[1], world[2]};
     if (body) dBodyVectorFromWorld(body, world[0], world[1], world[2], result);
     memcpy(local, result, 3 * sizeof *local);
 }
 
-static void axis_in_world(const oo_joint *joint, int of, const double *local, double *world) {
+void axis_in_world(const oo_joint *joint, int of, const double *local, double *world) {
     dBodyID body = of ? dJointGetBody(joint->id, of - 1) : NULL;
     dVector3 result = {local[0], local[1], local[2]};
     if (body) dBodyVectorToWorld(body, local[0], local[1], local[2], result);
@@ -102,24 +104,6 @@ static void place_motor(oo_joint *joint, const double *s, const int *how) {
     if (euler) { /* the third axis as body 1 has it, and the first as body 2 has it, at the angles 0 */
         axis_of_body(joint, 1, s + 6, joint->references[0]);
         axis_of_body(joint, 2, s, joint->references[1]);
-    }
-}
-
-static void place_transmission(dJointID id, const double *s, int mode) {
-    static const int modes[] = {dTransmissionParallelAxes, dTransmissionIntersectingAxes, dTransmissionChainDrive};
-    dJointSetTransmissionMode(id, modes[mode]);
-    dJointSetTransmissionAnchor1(id, XYZ(s));
-    dJointSetTransmissionAnchor2(id, XYZ(s + 3));
-    if (modes[mode] == dTransmissionIntersectingAxes) {
-        dJointSetTransmissionAxis1(id, XYZ(s + 6));
-        dJointSetTransmissionAxis2(id, XYZ(s + 9));
-    } else {
-        dJointSetTransmissionAxis(id, XYZ(s + 6));
-    }
-    if (modes[mode] == dTransmissionParallelAxes) dJointSetTransmissionRatio(id, s[12]);
-    if (modes[mode] == dTransmissionChainDrive) {
-        dJointSetTransmissionRadius1(id, s[13]);
-        dJointSetTransmissionRadius2(id, s[14]);
     }
 }
 
@@ -172,7 +156,7 @@ int oo_joint_place(oo_joint *joint, const double *s, const int *how, const doubl
             dJointSetDHingeAnchor1(id, XYZ(s));
             dJointSetDHingeAnchor2(id, XYZ(s + 3));
             break;
-        case OO_TRANSMISSION: place_transmission(id, s, how[0]); break;
+        case OO_TRANSMISSION: place_gears(joint, s, how[0]); break;
     }
     guard_leave();
     return OO_OK;
@@ -352,24 +336,13 @@ static void read_hinge2(dJointID id, const double *w, double *position, double *
     rate[0] = -rate[0];
     rate[1] = -rate[1];
     position[0] = -dJointGetHinge2Angle1(id);
-    position[1] = -dJointGetHinge2Angle2(id);
+    position[1] = dJointGetHinge2Angle2(id); /* this one is that of the wheel in ODE too, unlike its rate */
     for (int k = 0; k < 3; k++) position[2] += axis1[k] * (b[k] - a[k]);
     drift(id, b, b, velocity);
     rate[2] = -dot(axis1, velocity);
 }
 
-static void read_transmission(const oo_world *world, const oo_joint *joint, double *angle, double *rate) {
-    if (world->steps == joint->born) return; /* ODE has not computed them yet */
-    dVector3 axis;
-    angle[0] = dJointGetTransmissionAngle1(joint->id);
-    angle[1] = dJointGetTransmissionAngle2(joint->id);
-    dJointGetTransmissionAxis1(joint->id, axis);
-    rate[0] = dot(axis, dBodyGetAngularVel(dJointGetBody(joint->id, 0)));
-    dJointGetTransmissionAxis2(joint->id, axis);
-    rate[1] = dot(axis, dBodyGetAngularVel(dJointGetBody(joint->id, 1)));
-}
-
-static void read_coordinates(const oo_world *world, const oo_joint *joint, double *position, double *rate) {
+static void read_coordinates(const oo_joint *joint, double *position, double *rate) {
     dJointID id = joint->id;
     dVector3 axis, axis2, anchor;
     double w[3];
@@ -421,13 +394,13 @@ static void read_coordinates(const oo_world *world, const oo_joint *joint, doubl
             break;
         case OO_DBALL:
         case OO_DHINGE: read_distance(id, &position[0], &rate[0]); break;
-        case OO_TRANSMISSION: read_transmission(world, joint, position, rate); break;
+        case OO_TRANSMISSION: read_gears(joint, position, rate); break;
     }
 }
 
 void oo_joint_read(const oo_world *w, const oo_joint *joint, oo_joint_state *out) {
     memset(out, 0, sizeof *out);
-    read_coordinates(w, joint, out->position, out->rate);
+    read_coordinates(joint, out->position, out->rate);
     const dJointFeedback *f = &joint->feedback;
     memcpy(out->force1, f->f1, sizeof out->force1);
     memcpy(out->torque1, f->t1, sizeof out->torque1);
@@ -485,7 +458,7 @@ void drive_servos(oo_world *w) {
         if (!joint->has_servo || !dJointIsEnabled(joint->id) || !awake(joint->id)) continue;
         const oo_servo *servo = &joint->servo;
         double position[3] = {0}, rate[3] = {0}, h = w->step_size, k = servo->frequency * servo->frequency;
-        read_coordinates(w, joint, position, rate);
+        read_coordinates(joint, position, rate);
         double error = servo->target - position[0];
         if (servo->turns) error = remainder(error, 2 * M_PI);
         double velocity = (rate[0] + h * k * error) / (1 + 2 * h * servo->damping_ratio * servo->frequency + h * h * k);

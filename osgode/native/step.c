@@ -403,6 +403,7 @@ int oo_run(oo_world *w, unsigned int count) {
         int status = OO_OK;
         if (!w->asking) {
             if (w->servo_count) drive_servos(w);
+            if (w->gear_count) mesh_gears(w);
             status = collide(w);
             if (status == OO_OK) find_asked(w);
             w->asking = status == OO_OK && w->asked_count;
@@ -424,6 +425,7 @@ int oo_run(oo_world *w, unsigned int count) {
         w->steps++;
         done++;
         if (w->bad_body >= 0) return OO_BAD_BODY;
+        if (w->gear_count) count_gears(w);
         if (w->breakable_count) find_broken_joints(w);
         if (w->event_count || w->broken_count) break;
     }

@@ -11,6 +11,7 @@ from osgode.errors import PhysicsError, StateError, TreeError, shown
 from osgode.fields import Field, Followed, fields_of
 from osgode.graph.node import Group, Node
 from osgode.native import forward_messages, last_error, lib
+from osgode.nodes.listeners import tell_let_go
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -199,9 +200,7 @@ class PhysicsNode(HasFields, Node):
     def _tell_lost(self) -> None:
         """Tell the listeners of joints that have lost a body."""
         lost, self._lost = self._lost, ()
-        for joint in lost:
-            if not joint.is_live:
-                joint._lose()
+        tell_let_go(call for joint in lost if not joint.is_live for call in joint._lose())
 
     def move_to(self, parent: Group) -> Self:
         """Stand below ``parent`` instead of where it stands now, and return self.

@@ -10,6 +10,7 @@ import numpy as np
 from osgode.errors import FieldError, OsgodeError, shown
 from osgode.native import ffi, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes
+from osgode.nodes.listeners import tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -183,17 +184,8 @@ def tell_touches(realm: Realm) -> None:
     note that names the node.
     """
     events = ffi.unpack(realm.ptr.events, realm.ptr.event_count)
-    errors: list[Exception] = []
-    for call, touch in [pair for event in events for pair in _calls(realm, event)]:
-        try:
-            call(touch)
-        except Exception as error:  # noqa: BLE001 - every listener is heard before the errors are raised
-            error.add_note(f"raised by a touch listener of {touch.geom.describe()} ({touch.state})")
-            errors.append(error)
-    if len(errors) == 1:
-        raise errors[0]
-    if errors:
-        raise ExceptionGroup("several touch listeners failed", errors)
+    calls = (pair for event in events for pair in _calls(realm, event))
+    tell(calls, "touch", lambda touch: f"{touch.geom.describe()} ({touch.state})")
 
 
 def _calls(realm: Realm, event: Any) -> Iterator[tuple[Callable[[Touch], object], Touch]]:

@@ -17,6 +17,7 @@ from osgode.native import checked, ffi, forward_messages, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
 from osgode.nodes.feedback import ask
+from osgode.nodes.listeners import raise_all, tell_let_go
 from osgode.nodes.queries import Queries
 from osgode.nodes.realm import Realm
 from osgode.nodes.spaces import Space
@@ -213,24 +214,27 @@ class World(Listening, Queries, WorldSettings, Group):
                 self._ask(realm, errors)
                 continue
             realm.take_back_surfaces()
-            broken = [joint._break() for joint in self._overloaded(realm)] if ptr.broken_count else []
-            try:
-                if ptr.event_count and done:
-                    tell_touches(realm)
-            finally:  # a listener that fails keeps nobody from hearing
-                for tell_listeners in broken:
-                    tell_listeners()
-                if errors:
-                    raise errors[0] if len(errors) == 1 else ExceptionGroup("several collide listeners failed", errors)
-            if done:  # else nothing was collided, and the ends of touching are still to be told
-                self._forget_retired(realm)
-            if ptr.too_fast_count:
-                self._warn_of_fast(realm)
+            self._after_steps(realm, done)
             realm.broken = status == lib.OO_BROKEN
             if status < 0 and ptr.bad_body >= 0:
                 raise self._bad_body(realm.bodies[ptr.bad_body])
             if status < 0:
                 checked(status, f"{self.describe()} step {ptr.steps + 1}")
+            raise_all("collide", errors)
+
+    def _after_steps(self, realm: Realm, done: int) -> None:
+        """Tell the listeners of what was done."""
+        ptr = realm.ptr
+        broken = [call for joint in self._overloaded(realm) for call in joint._break()] if ptr.broken_count else []
+        if ptr.too_fast_count:
+            self._warn_of_fast(realm)
+        try:
+            if ptr.event_count and done:
+                tell_touches(realm)
+        finally:  # a listener that fails keeps nobody from hearing
+            tell_let_go(broken)
+            if done:  # else nothing was collided, and the ends of touching are still to be told
+                self._forget_retired(realm)
 
     def _ask(self, realm: Realm, errors: list[Exception]) -> None:
         try:

@@ -1,27 +1,27 @@
-"""Joints of every kind survive whatever happens to their bodies, and refuse what can't be joined."""
+"""Joints of every kind survive whatever happens to their bodies, and are live while these are in one World."""
 
 import gc
-import math
 
 import numpy as np
 import pytest
 
 import osgode as oo
+from osgode.joints.spots import Coordinate
 from tests.joints.held import (
-    ANCHOR,
     AXIS,
-    BALL,
+    EULER,
     FIXED,
     HINGE,
     KINDS,
-    REST1,
-    REST2,
+    LINEAR,
+    PLANE2D,
     SLIDER,
+    USER,
     Held,
-    Kind,
     assert_poses,
-    each_attachment,
+    each_held,
     each_kind,
+    each_pair,
     put,
     shift,
 )
@@ -153,6 +153,22 @@ HAPPENINGS = [
     mass_changes_while_outside,
     everything_twice,
 ]
+OF_EACH_SORT = [
+    moves_between_spaces,
+    first_leaves_and_comes_back,
+    the_space_goes_to_another_world,
+    the_world_is_dropped_and_another_made,
+    a_part_comes,
+    fixed_mass_comes,
+    everything_twice,
+]
+MOST = [
+    *OF_EACH_SORT,
+    second_leaves_and_comes_back,
+    all_parts_go,
+    the_second_changes_its_mass,
+    mass_changes_while_outside,
+]
 MASS_CHANGES = [a_part_comes, a_part_goes, a_part_moves, a_part_gets_heavier, all_parts_go, fixed_mass_comes]
 
 
@@ -160,15 +176,11 @@ def each(functions):
     return pytest.mark.parametrize("happen", functions, ids=lambda f: f.__name__)
 
 
-@each(HAPPENINGS)
-@each_attachment
-@each_kind
-def test_a_joint_survives(kind, both, happen):
-    """Anchors, axis and coordinate are where geometry says, all fields are as set, and the bodies stand as before."""
-    held = Held(kind, both, fields=kind.fields)
+def survives(kind, both, happen, given):
+    held = Held(kind, both, fields=given)
     poses = [body.pose for body in held.bodies]
-    assert {name: held.own()[name] for name in kind.fields} == kind.fields
     before = held.own()
+    assert {name: before[name] for name in given} == given
     held.check()
     happen(held)
     held.check()
@@ -180,12 +192,27 @@ def test_a_joint_survives(kind, both, happen):
 
 
 @each(HAPPENINGS)
-@each_attachment
-@each_kind
+@each_held
+def test_a_joint_survives(kind, both, happen):
+    """Anchors, axes and coordinates are where geometry says, all fields are as set, and the bodies stand as before."""
+    survives(kind, both, happen, kind.given())
+
+
+@each(OF_EACH_SORT)
+@each_held
+def test_springs_and_servos_survive(kind, both, happen):
+    """In place of ERP, CFM and motors."""
+    survives(kind, both, happen, kind.given("sprung"))
+
+
+@each(MOST)
+@each_held
 def test_a_joint_that_survived_has_nothing_to_correct(kind, both, happen):
     """Nor does a disabled one come back enabled."""
     held = Held(kind, both)
     happen(held)
+    if kind is PLANE2D:
+        held.joint.straighten()  # it holds the centre of mass in the plane, which has moved
     held.check_it_holds()
     held.check()
     held.joint.enabled = False
@@ -195,38 +222,44 @@ def test_a_joint_that_survived_has_nothing_to_correct(kind, both, happen):
     assert held.joint.enabled is False
 
 
-@each(HAPPENINGS)
-@each_attachment
-@each_kind
+HOLDING = [(kind, both) for kind in KINDS for both in kind.attached if kind.holds]
+each_holding = pytest.mark.parametrize(("kind", "both"), HOLDING, ids=str)
+
+
+@each(OF_EACH_SORT)
+@each_holding
 def test_a_joint_that_survived_pulls_back_to_where_it_was_anchored(kind, both, happen):
-    """From 1 cm beside what the joint allows, after the happening, to within 10 um of it: to the rest of old."""
-    held = Held(kind, both, way=0.0, fields={"cfm": 1e-12})
-    across = AXIS.cross((1, 0, 0)).normalized() * 0.01
-    held.body1.position += across
+    """From 1 cm and 0.02 rad beside what the joint allows, after the happening, to within 10 um: to the rest of old."""
+    held = Held(kind, both, way=0.0)
+    put(
+        held.body1,
+        shift((0.008, -0.005, 0.006)) * oo.Pose(rotation=oo.Quat.from_axis_angle((1, 2, 3), 0.02)) * held.body1.pose,
+    )
     happen(held)
-    world = held.joint.world
-    world.solver = "exact"
-    for _ in range(50):
+    world, joint = held.joint.world, held.joint
+    assert joint.error + joint.angular_error > 2e-3
+    world.solver, world.cfm = "exact", 1e-12
+    for _ in range(60):
         for body in held.bodies:  # it is to be pulled, not to fly
             body.linear_velocity = body.angular_velocity = (0, 0, 0)
         world.step()
-    if kind is BALL or kind is HINGE:
-        assert held.joint.error < 1e-5
+    assert joint.error < 1e-5
+    if kind is not PLANE2D:  # ODE leaves it tilted
+        assert joint.angular_error < 1e-5
     if kind is SLIDER:
-        offset = relative(held).inverse().transform(held.body1.position) - REST1.position
+        offset = relative(held).inverse().transform(held.body1.position) - held.rest1.position
         assert offset.cross(AXIS).length < 1e-5
     if kind is FIXED:
-        assert_poses([held.body1], [relative(held) * REST1], 1e-5)
+        assert_poses([held.body1], [relative(held) * held.rest1], 1e-5)
 
 
 def relative(held):
     """How the world of rest has moved for the second body."""
-    return held.body2.pose * REST2.inverse() if held.both else shift((0, 0, 0))
+    return held.body2.pose * held.rest2.inverse() if held.both else shift((0, 0, 0))
 
 
 @each(MASS_CHANGES)
-@each_attachment
-@each_kind
+@each_held
 def test_being_made_again_leaves_the_bodies_alone(kind, both, happen):
     """The frame and its velocity stay within 1e-12, and the other body's state is the same to the bit."""
     held = Held(kind, both)
@@ -243,8 +276,7 @@ def test_being_made_again_leaves_the_bodies_alone(kind, both, happen):
     assert held.world.velocities[row].tobytes() == velocities[row].tobytes()
 
 
-@each_attachment
-@each_kind
+@each_held
 def test_anchoring_anew_moves_no_bit(kind, both):
     """Making the native again puts the bodies to rest and back; where nothing moves not one bit changes."""
     held = Held(kind, both)
@@ -268,7 +300,7 @@ def test_anchoring_anew_moves_no_bit(kind, both):
 
 @each_kind
 def test_a_part_without_mass_does_not_make_the_joint_again(kind):
-    held = Held(kind, both=True)
+    held = Held(kind, kind.attached[0])
     native = held.joint._id
     held.body1.attach(oo.Placeable(position=(5, 5, 5))).attach(oo.Sphere(1, mass=0))
     assert held.joint._id == native
@@ -277,7 +309,7 @@ def test_a_part_without_mass_does_not_make_the_joint_again(kind):
 # -- live or not
 
 
-@each_kind
+@each_pair
 def test_a_joint_is_live_while_its_bodies_are_in_one_world(kind):
     one, other = oo.World(name="one"), oo.World(name="other")
     first, second = oo.Body(), oo.Body()
@@ -301,19 +333,19 @@ def test_a_joint_is_live_while_its_bodies_are_in_one_world(kind):
     assert state() == (False, None, 0, 0)
 
 
-@each_kind
+@each_pair
 def test_a_joint_made_between_two_worlds_waits(kind):
     one, other = oo.World(), oo.World()
     first, second = one.attach(oo.Body()), other.attach(oo.Body())
-    joint = kind.make(first, second, **kind.fields)
+    joint = kind.make(first, second, **kind.given())
     assert not joint.is_live
     assert oo.live_natives().joints == 0
     second.move_to(one)
     assert joint.is_live
-    assert {name: getattr(joint, name) for name in kind.fields} == kind.fields
+    assert {name: getattr(joint, name) for name in kind.given()} == kind.given()
 
 
-@each_kind
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if False in kind.attached], ids=str)
 def test_a_single_body_takes_its_joint_along(kind):
     one, other = oo.World(), oo.World()
     body = one.attach(oo.Body())
@@ -324,10 +356,10 @@ def test_a_single_body_takes_its_joint_along(kind):
     assert joint.body2 is None
 
 
-@each_attachment
-@each_kind
-def test_a_world_that_is_dropped_leaves_its_joints_as_plain_data(kind, both):
-    held = Held(kind, both, fields=kind.fields)
+@pytest.mark.parametrize("variant", ["soft", "sprung"])
+@each_held
+def test_a_world_that_is_dropped_leaves_its_joints_as_plain_data(kind, both, variant):
+    held = Held(kind, both, fields=kind.given(variant))
     before = held.own()
     natives = oo.live_natives()
     assert natives.joints == 1
@@ -343,324 +375,84 @@ def test_a_world_that_is_dropped_leaves_its_joints_as_plain_data(kind, both):
     assert held.body1.joints == ()
 
 
-READ = {
-    oo.Hinge: ["angle", "angle_rate"],
-    oo.Slider: ["position", "position_rate"],
-}
+READ = {kind: [name for name in dir(kind.cls) if isinstance(getattr(kind.cls, name), Coordinate)] for kind in KINDS}
+PUSHES = {kind: [name for name in dir(kind.cls) if name.startswith("add_")] for kind in KINDS}
+TORQUES = {"add_torques": (1.0, 2.0), "add_torque": (1.0,), "add_force": (1.0,)}
 
 
-@pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind in (HINGE, SLIDER) for name in READ[kind.cls]])
+def test_every_kind_that_moves_has_something_to_read():
+    assert {kind.cls for kind in KINDS if not READ[kind]} == {oo.Ball, oo.Fixed, oo.Plane2D}
+
+
+@each_kind
 @pytest.mark.parametrize("why", ["outside", "one outside", "released"])
-def test_what_needs_a_live_joint_says_so(kind, name, why):
-    held = Held(kind, both=True)
+def test_what_needs_a_live_joint_says_so(kind, why):
+    held = Held(kind, kind.attached[0])
     if why == "released":
         held.joint.release()
     else:
         held.space.detach(held.body1)
         if why == "outside":
             held.space.detach(held.body2)
-    with pytest.raises(oo.StateError, match=rf"{kind} 'it'\.{name}\b"):
-        getattr(held.joint, name)
-    push = held.joint.add_torque if kind is HINGE else held.joint.add_force
-    with pytest.raises(oo.StateError, match=rf"{kind} 'it'\.add_"):
-        push(1.0)
+    for name in [*READ[kind], *(["contact_points"] if kind.phase else [])]:
+        with pytest.raises(oo.StateError, match=rf"{kind.title}\.{name}\b"):
+            getattr(held.joint, name)
+    for name in PUSHES[kind]:
+        with pytest.raises(oo.StateError, match=rf"{kind.title}\.{name}\b"):
+            getattr(held.joint, name)(*TORQUES[name])
+    with pytest.raises(oo.StateError, match=rf"{kind.title}\.reaction\b"):
+        _ = held.joint.reaction
 
 
-@each_attachment
-@pytest.mark.parametrize("kind", [BALL, HINGE, SLIDER], ids=str)
-def test_outside_anchor_and_axis_follow_the_bodies(kind, both):
+@each_kind
+def test_what_follows_from_the_bodies_can_not_be_set(kind):
+    held = Held(kind, kind.attached[0])
+    for name in [*READ[kind], *({"anchor2"} & set(kind.case.carried) - set(kind.where))]:
+        with pytest.raises(AttributeError, match=rf"{kind.title}"):
+            setattr(held.joint, name, 1.0)
+    held.check()
+
+
+@each_held
+def test_outside_anchors_and_axes_follow_the_bodies(kind, both):
     """Moved by hand while outside, each body carries its side along; back inside ODE says the same."""
     held = Held(kind, both, way=0.0)
     for body in held.bodies:
         held.space.detach(body)
     one, two = (oo.Pose(oo.Vec3(1, 2, 3), oo.Quat.from_axis_angle((k, 1, 0), 0.7 + k)) for k in (1, 2))
-    put(held.body1, one * REST1)
+    put(held.body1, one * held.rest1)
+    held.moved, held.moved2 = one, two if both else shift((0, 0, 0))
     if both:
-        put(held.body2, two * REST2)
+        put(held.body2, two * held.rest2)
     for inside in (False, True):
         if inside:
             for body in held.bodies:
                 held.space.attach(body)
         assert held.joint.is_live is inside
-        if kind is not SLIDER:
-            assert held.joint.anchor == pytest.approx(one.transform(ANCHOR), abs=1e-9)
-            other = two.transform(ANCHOR) if both else ANCHOR
-            assert held.joint.anchor2 == pytest.approx(other, abs=1e-9)
-            assert held.joint.error == pytest.approx(one.transform(ANCHOR).distance(other), abs=1e-9)
-        if kind is not BALL:
-            assert held.joint.axis == pytest.approx(one.rotation.rotate(AXIS), abs=1e-9)
+        held.check_spots()
+        if kind in (HINGE, FIXED) and both:
+            anchor = kind.where["anchor"]
+            assert held.joint.error == pytest.approx(one.transform(anchor).distance(two.transform(anchor)), abs=1e-9)
 
 
-# -- letting go
-
-
-@each_attachment
-@each_kind
-def test_release_frees_the_native_and_wakes_the_bodies(kind, both):
-    held = Held(kind, both)
-    for body in held.bodies:
-        body.enabled = False
-    assert held.body1.joints == (held.joint,)
-    held.joint.release()
-    assert held.joint.released
-    assert not held.joint.is_live
-    assert all(body.enabled for body in held.bodies)
-    assert held.body1.joints == held.body2.joints == held.world.joints == ()
-    assert oo.live_natives().joints == 0
-    for body in held.bodies:
-        body.enabled = False
-    held.joint.release()
-    assert not any(body.enabled for body in held.bodies)
-    held.body1.move_to(held.sap)
-    held.sap.detach(held.body1)
-    held.sap.attach(held.body1)
-    assert not held.joint.is_live
-    held.world.step()
-
-
-@each_kind
-def test_release_outside_of_a_world_is_for_good(kind):
-    first, second = oo.Body(), oo.Body()
-    joint = kind.make(first, second)
-    joint.release()
-    world = oo.World()
-    world.attach(first)
-    world.attach(second)
-    assert not joint.is_live
-    assert first.joints == second.joints == ()
-
-
-@each_kind
-def test_a_released_joint_holds_nothing(kind):
-    """Fallen for half a second, the second body is where free fall has taken it."""
-    held = Held(kind, both=False)
-    held.joint.release()
-    held.world.gravity = (0, -10, 0)
-    height = held.body1.position.y
-    held.world.step(60)
-    fallen = 10 / 120**2 * 60 * 61 / 2
-    assert held.body1.position.y == pytest.approx(height - fallen, abs=1e-9)
-
-
-@each_kind
-def test_a_disabled_joint_holds_nothing_and_is_enabled_again(kind):
-    held = Held(kind, both=False, way=0.0)
-    held.joint.enabled = False
-    held.body1.linear_velocity = AXIS.cross((1, 0, 0)).normalized()
-    before = held.body1.position
-    held.world.step(30)
-    assert held.body1.position.distance(before) == pytest.approx(30 / 120, rel=1e-9)
-    held.joint.enabled = True
-    held.world.run(3)
-    if kind is not SLIDER:
-        offset = held.body1.local_to_world((0, 0, 0)).distance(before)
-        assert offset < 1e-3 if kind is FIXED else held.joint.error < 1e-3
-    else:
-        assert (held.body1.position - before).cross(AXIS).length < 1e-3
-
-
-# -- sleep
-
-
-@each_kind
-def test_a_joint_that_is_disabled_wakes_what_it_held(kind):
-    """Or what hung on it would hang on in the air."""
-    held = Held(kind, both=True)
-    held.body1.enabled = held.body2.enabled = False
-    held.joint.enabled = False
-    assert held.body1.enabled
-    assert held.body2.enabled
-
-
-@each_kind
-def test_a_body_that_leaves_wakes_the_other(kind):
-    held = Held(kind, both=True)
-    held.body1.enabled = held.body2.enabled = False
-    held.space.detach(held.body1)
-    assert held.body2.enabled
-    assert not held.body1.enabled
-
-
-@each_kind
-def test_a_body_that_leaves_does_not_wake_one_in_another_world(kind):
-    """A joint that isn't live holds nothing, so nothing is let go."""
-    one, other = oo.World(), oo.World()
-    first, second = one.attach(oo.Body()), other.attach(oo.Body())
-    kind.make(first, second)
-    second.enabled = False
-    one.detach(first)
-    assert not second.enabled
-
-
-@each_kind
-@pytest.mark.parametrize("how", ["moved", "detached", "dropped"])
-def test_what_leaves_together_sleeps_on(kind, how):
-    held = Held(kind, both=True)
-    held.body1.enabled = held.body2.enabled = False
-    if how == "moved":
-        held.other = oo.World()
-        held.space.move_to(held.other)
-        assert held.joint.is_live
-    elif how == "detached":
-        held.world.detach(held.space)
-    else:
-        del held.world
-        gc.collect()
-    assert held.body1.world is (held.other if how == "moved" else None)
-    assert not held.body1.enabled
-    assert not held.body2.enabled
-
-
-# -- what is refused
-
-
-def stand(world: bool):
-    first, second = oo.Body(name="first"), oo.Body(name="second")
-    top = oo.World() if world else oo.Group()
-    if world:
-        top.attach(first)
-        top.attach(second)
-    return top, first, second
-
-
-def unchanged(first, second, joints=0):
-    gc.collect()
-    assert first.joints == second.joints == ()
-    assert oo.live_natives().joints == joints
-
-
-@each_kind
-@pytest.mark.parametrize("inside", [True, False])
-@pytest.mark.parametrize(
-    ("pick", "words"),
-    [
-        (lambda a, b: (None, b), "body1 is None"),
-        (lambda a, b: (None, None), "body1 is None"),
-        (lambda a, b: (a, a), "body1 and body2 are both Body 'first'"),
-        (lambda a, b: ("first", b), "body1 is 'first'"),
-        (lambda a, b: (a, oo.Group()), "body2 is .*; it must be a Body or None"),
-        (lambda a, b: (a, 0), "body2 is 0; it must be a Body or None"),
-        (lambda a, b: (oo.World(), b), "body1 is "),
-        (lambda a, b: (oo.Body, b), "body1 is "),
-    ],
-)
-def test_bad_bodies_are_refused(kind, inside, pick, words):
-    top, first, second = stand(inside)
-    with pytest.raises(oo.TreeError, match=rf"{kind} 'it': {words}"):
-        kind.make(*pick(first, second))
-    unchanged(first, second)
-    del top
-
-
-NO_VECTOR = [(math.nan, 0, 0), (math.inf, 0, 0), (1, 2), (1, 2, 3, 4), 5.0, "abc", {1, 2, 3}, (True, False, "x")]
-BAD = {
-    "anchor": [*NO_VECTOR, (2e8, 0, 0)],
-    "axis": [*NO_VECTOR, (0, 0, 0), (1e-13, 0, 0), None],
-}
-BAD_WHERE = [(kind, name, value) for kind in KINDS for name in kind.where for value in BAD[name]]
-
-
-@pytest.mark.parametrize("inside", [True, False])
-@pytest.mark.parametrize(("kind", "name", "value"), BAD_WHERE, ids=str)
-def test_bad_anchors_and_axes_are_refused(kind, name, value, inside):
-    top, first, second = stand(inside)
-    with pytest.raises(oo.FieldError, match=rf"{kind} 'it'\.{name} is "):
-        kind.make(first, second, **{name: value})
-    unchanged(first, second)
-    del top
-
-
-@pytest.mark.parametrize("inside", [True, False])
-@pytest.mark.parametrize(
-    ("kind", "name", "value"), [case for case in BAD_WHERE if case[1:] != ("anchor", None)], ids=str
-)
-def test_bad_anchors_and_axes_are_refused_later_too(kind, name, value, inside):
-    """Nothing changes: not the other of the two, nor the rest that coordinates count from."""
-    held = Held(kind, both=True)
-    if not inside:
-        held.world.detach(held.space)
-    native = held.joint._id
-    with pytest.raises(oo.FieldError, match=rf"{kind} 'it'\.{name} is "):
-        setattr(held.joint, name, value)
-    assert held.joint._id == native
-    held.check()
-
-
-BAD_FIELDS = {
-    "enabled": 1,
-    "erp": -0.1,
-    "cfm": 0.0,
-    "stops": (1, 0),
-    "stop_bounce": 2.0,
-    "stop_erp": 1.5,
-    "stop_cfm": -1.0,
-    "motor_velocity": math.nan,
-    "motor_max_force": -1.0,
-    "fudge_factor": 1.5,
-}
-
-
-@pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind in KINDS for name in kind.cls.FIELDS], ids=str)
-@pytest.mark.parametrize("inside", [True, False])
-def test_a_bad_field_leaves_no_joint_behind(kind, name, inside):
-    top, first, second = stand(inside)
-    with pytest.raises(oo.FieldError, match=rf"{kind} 'it'\.{name} is "):
-        kind.make(first, second, **{name: BAD_FIELDS[name]})
-    unchanged(first, second)
-    del top
-
-
-@each_kind
-def test_unknown_fields_are_type_errors(kind):
-    top, first, second = stand(world=True)
-    with pytest.raises(TypeError, match=rf"{kind} has no field 'enabeld'; did you mean 'enabled'"):
-        kind.make(first, second, enabeld=True)
-    with pytest.raises(TypeError, match="has no field 'zzz'; it has enabled"):
-        kind.make(first, second, zzz=1)
-    wrong = "stops" if kind in (BALL, FIXED) else "erp"
-    with pytest.raises(TypeError, match=f"{kind} has no field '{wrong}'"):
-        kind.make(first, second, **{wrong: None})
-    unchanged(first, second)
-    del top
-
-
-def test_a_third_positional_argument_is_a_type_error():
-    first, second = oo.Body(), oo.Body()
-    for cls in (oo.Ball, oo.Hinge, oo.Slider, oo.Fixed):
-        with pytest.raises(TypeError):
-            cls(first, second, (0, 0, 0))
-    unchanged(first, second)
-
-
-# -- softness follows the World
-
-FOLLOWED: list[tuple[Kind, str, str]] = [
-    *((kind, name, name) for kind in (BALL, FIXED) for name in ("erp", "cfm")),
-    *((kind, name, name[-3:]) for kind in (HINGE, SLIDER) for name in ("stop_erp", "stop_cfm", "cfm")),
-]
-
-
-@pytest.mark.parametrize(("kind", "name", "of_world"), FOLLOWED, ids=str)
-def test_softness_follows_the_world_until_it_is_given(kind, name, of_world):
-    held = Held(kind, both=True)
-    joint, world = held.joint, held.world
-    assert getattr(joint, name) == getattr(world, of_world)
-    setattr(world, of_world, 0.625)
-    assert getattr(joint, name) == 0.625
-    setattr(joint, name, 0.375)
-    setattr(world, of_world, 0.75)
-    assert getattr(joint, name) == 0.375
-    a_part_comes(held)
-    first_leaves_and_comes_back(held)
-    assert getattr(joint, name) == 0.375
-    setattr(joint, name, None)
-    assert getattr(joint, name) == 0.75
-    held.body1.move_to(held.space)
-    held.other = oo.World(**{of_world: 0.875})
-    held.space.move_to(held.other)
-    assert getattr(joint, name) == 0.875
-    held.other.detach(held.space)
-    assert getattr(joint, name) is None
+def test_all_joints_are_read_at_once_in_their_order():
+    """Rows of `joint_states` are what each joint reads by itself, also when one in the middle has gone."""
+    world = oo.World(gravity=(0, -10, 0))
+    joints = []
+    for kind in KINDS:
+        first, second = (world.attach(oo.Body(position=(k, 2, 3 * k))) for k in (1, 2))
+        joints.append(kind.make(first, second, feedback=True))
+        first.angular_velocity, first.linear_velocity = (0.1, -0.2, 0.3), (1, 2, 3)
+    joints[4].release()
+    assert set(world.joints) == {*joints[:4], *joints[5:]}
+    world.step(3)
+    for joint, row in zip(world.joints, world.joint_states, strict=True):
+        for name in READ[next(kind for kind in KINDS if kind.cls is type(joint))]:
+            what = getattr(type(joint), name)
+            assert getattr(joint, name) == row[what.row][what.index]
+        for name, value in joint.reaction._asdict().items():
+            assert value == tuple(row[name])
+    assert any(row["force1"].any() for row in world.joint_states)
 
 
 # -- what it says
@@ -670,11 +462,16 @@ def test_softness_follows_the_world_until_it_is_given(kind, name, of_world):
 def test_its_repr_names_it_and_what_it_joins(kind):
     world = oo.World()
     first, second = world.attach(oo.Body(name="a")), oo.Body(name="b")
-    assert repr(kind.make(first)) == f"<{kind} 'it': Body 'a' and the static world>"
-    assert repr(kind.make(first, second, name="")) == f"<{kind}: Body 'a' and Body 'b', not live>"
+    if False in kind.attached:
+        assert repr(kind.make(first)) == f"<{kind.title}: Body 'a' and the static world>"
+    if True in kind.attached:
+        assert repr(kind.make(first, second, name="")) == f"<{kind.cls.__name__}: Body 'a' and Body 'b', not live>"
+        joint = kind.make(first, second)
+        joint.release()
+        assert repr(joint) == f"<{kind.title}: Body 'a' and Body 'b', released>"
 
 
-@each_kind
+@each_pair
 def test_a_body_lists_its_joints_in_order(kind):
     body, others = oo.Body(), [oo.Body() for _ in range(3)]
     joints = [kind.make(body, other) for other in others]
@@ -688,7 +485,7 @@ def test_a_body_lists_its_joints_in_order(kind):
 # -- joined bodies don't collide
 
 
-@each_kind
+@each_pair
 def test_joined_bodies_pass_through_each_other(kind):
     """Without the joint they touch, also where both are joined to a third."""
     world = oo.World(gravity=(0, 0, 0))
@@ -703,14 +500,30 @@ def test_joined_bodies_pass_through_each_other(kind):
     world.step()
     assert len(world.contacts) == 0
     joint.release()
-    others = [kind.make(first, third), kind.make(third, second), kind.make(first), kind.make(second)]
+    others = [kind.make(first, third), kind.make(third, second)]
+    if False in kind.attached:
+        others += [kind.make(first), kind.make(second)]
     assert all(other.is_live for other in others)
     world.step()
     assert len(world.contacts) == 1
 
 
-def test_the_table_of_kinds_has_every_field_away_from_its_default():
+@each_kind
+def test_the_table_of_kinds_has_every_field_away_from_its_default(kind):
     """Else surviving would prove nothing."""
-    for kind in KINDS:
-        assert {*kind.fields, "enabled"} == set(kind.cls.FIELDS)
-        assert all(kind.cls.FIELDS[name].default != value for name, value in kind.fields.items())
+    soft, sprung = kind.given(), kind.given("sprung")
+    assert {*soft, *sprung, *kind.lacks, "enabled"} == set(kind.cls.FIELDS)
+    assert not {*soft, *sprung} & set(kind.lacks)
+    for given in (soft, sprung):
+        assert all(kind.cls.FIELDS[name].default != value for name, value in given.items())
+
+
+def test_the_table_has_every_kind_and_mode():
+    joints = [getattr(oo, name) for name in oo.__all__]
+    wanted = {cls for cls in joints if isinstance(cls, type) and issubclass(cls, oo.Joint) and cls is not oo.Joint}
+    assert {kind.cls for kind in KINDS} == wanted
+    assert USER.where["mode"] == "user"
+    assert EULER.where["mode"] == "euler"
+    modes = {kind.where["mode"] for kind in KINDS if kind.cls is oo.Transmission}
+    assert modes == {"parallel", "intersecting", "chain"}
+    assert not LINEAR.holds

@@ -84,7 +84,7 @@ def test_it_holds_against_gravity(both):
     assert height - held.body1.position.y == pytest.approx(fallen, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", ["anchor", "axis", "stops", "motor_velocity"])
+@pytest.mark.parametrize("name", ["anchor1", "axis", "stops", "motor_velocity"])
 def test_it_has_none_of_what_the_others_have(name):
     with pytest.raises(TypeError, match=f"Fixed has no field '{name}'"):
         oo.Fixed(oo.Body(), oo.Body(), **{name: (0, 1, 0)})

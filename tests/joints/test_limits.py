@@ -5,7 +5,7 @@ import math
 import pytest
 
 import osgode as oo
-from tests.joints.held import HINGE, SLIDER, Held, each_attachment, each_moving, put, shift, turn
+from tests.joints.held import AXIS, HINGE, SLIDER, Held, each_attachment, each_moving, put, shift, turn
 
 
 def coordinate(joint):
@@ -117,7 +117,7 @@ def test_equal_stops_hold_it_there_from_both_sides(kind, both, value):
 def test_outside_its_stops_it_comes_back_to_the_nearer(kind, both, start, stops, end):
     held = Held(kind, both, way=0.0)
     held.world.solver = "exact"
-    motion = turn(start) if kind is HINGE else shift(kind.where["axis"] * start)
+    motion = turn(start) if kind is HINGE else shift(AXIS * start)
     put(held.body1, held.ride * motion * held.ride.inverse() * held.body1.pose)
     assert coordinate(held.joint) == pytest.approx(start, abs=1e-9)
     held.joint.stops = stops

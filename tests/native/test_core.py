@@ -328,7 +328,7 @@ FUZZ = """
 import math, random, sys, warnings
 import numpy as np
 import osgode as oo
-from tests.strategies import CASES, MAKERS, WRONG_KIND, OUTSIDE, Stand, accepted
+from tests.strategies import CASES, JOINED, MAKERS, NEEDS_TWO, WRONG_KIND, OUTSIDE, Stand, accepted, join
 from tests.trees import is_consistent
 
 warnings.simplefilter("ignore")
@@ -340,7 +340,7 @@ NASTY = [*WRONG_KIND, None, True, "", (), [], -1, 0, 0.0, -0.0, 1e300, -1e300, 1
          oo.Mass(1e-12, (0, 0, 0), ((1e-12, 0, 0), (0, 1e-12, 0), (0, 0, 1e-12))), oo.Mass(1e15), oo.Surface(math.inf),
          oo.Surface(0.0, bounce=1.0, slip=1e6, soft_cfm=1e6), *(v for bad in OUTSIDE.values() for v in bad)]
 GOOD = {case: accepted(case) for case in CASES}
-expected = (oo.OsgodeError, TypeError, ValueError, ExceptionGroup)
+expected = (oo.OsgodeError, TypeError, ValueError, AttributeError, ExceptionGroup)
 steps = refused = 0
 
 
@@ -374,13 +374,18 @@ def build():
         body.attach(oo.Placeable()).attach(stand.node)
         bodies.append(body)
     joints = [oo.Hinge(bodies[0], bodies[1]), oo.Slider(bodies[2]), oo.Ball(bodies[3], bodies[4]), oo.Fixed(bodies[5])]
+    for kind in draw.sample(list(JOINED), 6):
+        one, two = draw.sample(bodies, 2)
+        joints.append(join(kind, one, two if kind in NEEDS_TWO or draw.random() < 0.5 else None))
+    joints[0].servo = oo.Servo(target=1.0)
     return world, joints
 
 
 VERBS = {
     oo.Body: ["add_force", "add_torque", "add_local_force", "add_local_torque", "apply_impulse",
               "apply_angular_impulse", "on_touch", "remove_on_touch", "move_to", "attach", "detach"],
-    oo.Hinge: ["add_torque"], oo.Slider: ["add_force"],
+    oo.Hinge: ["add_torque"], oo.Slider: ["add_force"], oo.Piston: ["add_force", "add_torque"], oo.PR: ["add_torque"],
+    oo.Joint: ["anchor_anew", "on_let_go"], oo.AngularMotor: ["add_torques"],
     oo.World: ["attach", "detach", "collide", "stop_colliding", "step"],
     oo.Space: ["attach", "detach", "move_to"], oo.Geom: ["on_touch", "move_to"], oo.Placeable: ["attach", "move_to"],
 }
@@ -401,10 +406,17 @@ for round_number in range(int(sys.argv[2])):
             if verb and not (verb == "step" and isinstance(argument, int | float) and argument > 3):
                 attempt(lambda: getattr(thing, verb)(argument))
         elif kind < 0.75 and isinstance(thing, oo.Joint):
-            attempt(lambda: setattr(thing, draw.choice(["anchor", "axis"]), value()))
+            spots = [*type(thing).SPOTS, "axes", "anchor"]
+            attempt(lambda: setattr(thing, draw.choice(spots), value()))
+            attempt(lambda: thing.anchor_anew(**{draw.choice(spots): value()}))
+            attempt(lambda: setattr(thing.servo, draw.choice(list(oo.Servo.FIELDS)), value()))
+            attempt(lambda: (thing.reaction, thing.error, thing.angular_error))
         elif kind < 0.8:
-            make = draw.choice([oo.Hinge, oo.Slider, oo.Ball, oo.Fixed])
-            attempt(lambda: make(draw.choice(things), draw.choice(things)))
+            kind = draw.choice(list(JOINED))
+            attempt(lambda: join(kind, draw.choice(things), draw.choice(things)))
+            cls, spots = JOINED[kind][0], {name: value() for name in JOINED[kind][0].SPOTS if draw.random() < 0.5}
+            attempt(lambda: cls(draw.choice(things), draw.choice(things), **JOINED[kind][2] | spots))
+            attempt(lambda: world.joint_states)
         elif kind < 0.83:
             attempt(lambda: world.surfaces.__setitem__(("default", "default"), value()))
         elif kind < 0.87 and isinstance(thing, oo.PhysicsNode) and thing.parent is not None:

@@ -395,6 +395,13 @@ TOUCHES = {
     "turn a slider": lambda rig: setattr(rig.joints[2], "axis", (0, 0, 1)),
     "read a joint": lambda rig: rig.joints[0].angle,
     "push a joint": lambda rig: rig.joints[0].add_torque(1.0),
+    "give a joint a spring": lambda rig: setattr(rig.joints[1], "cfm", 0.25),
+    "watch a joint": lambda rig: setattr(rig.joints[0], "feedback", True),
+    "let a joint break": lambda rig: setattr(rig.joints[1], "break_force", 5.0),
+    "give a joint a servo": lambda rig: setattr(rig.joints[0], "servo", oo.Servo()),
+    "anchor a joint anew": lambda rig: rig.joints[1].anchor_anew(),
+    "read all joints": lambda rig: rig.world.joint_states,
+    "list the joints": lambda rig: rig.world.joints,
     "listen to a body": lambda rig: rig.bodies[0].on_touch(print),
     "listen to a geom": lambda rig: rig.ground.on_touch(print),
     "collide": lambda rig: rig.world.collide(rig.tree),
@@ -421,7 +428,7 @@ def test_a_second_thread_gets_an_error_and_changes_nothing(monkeypatch):
     before = (rig.world.collided, dict(rig.world.surfaces._rows), rig.world.surfaces.fallback, rig.bodies[0].joints)
     parents = {id(node): node.parents for node in rig.world.walk()}
     records = {id(node): dict(node._record) for node in rig.world.walk() if isinstance(node, oo.PhysicsNode)}
-    anchors = [(vars(joint).get("_anchor"), vars(joint).get("_axis"), joint._rest) for joint in rig.joints]
+    anchors = [(dict(joint._spots), joint._rest) for joint in rig.joints]
     listeners = [list(node._touch_listeners) for node in (rig.bodies[0], rig.ground)]
     rig.world.step()
     core = Waiting()
@@ -452,7 +459,7 @@ def test_a_second_thread_gets_an_error_and_changes_nothing(monkeypatch):
     ) == before
     assert {id(node): node.parents for node in rig.world.walk()} == parents
     assert {id(n): dict(n._record) for n in rig.world.walk() if isinstance(n, oo.PhysicsNode)} == records
-    assert [(vars(j).get("_anchor"), vars(j).get("_axis"), j._rest) for j in rig.joints] == anchors
+    assert [(dict(joint._spots), joint._rest) for joint in rig.joints] == anchors
     assert [list(node._touch_listeners) for node in (rig.bodies[0], rig.ground)] == listeners
     is_consistent(rig.world)
 
