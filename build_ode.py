@@ -6,7 +6,6 @@ from cffi import FFI
 
 NATIVE = Path("osgode") / "native"
 UNITS = (
-UNITS = (
     *("support", "core", "glide", "geoms", "heightfield", "terrain", "polytope", "collide", "joints", "gears"),
     *("boxtree", "broad", "step", "queries", "gjk", "triangles", "sweep"),
 )
