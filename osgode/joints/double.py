@@ -14,7 +14,7 @@ from osgode.native import lib
 from osgode.nodes.body import Body
 
 
-class RodFields(JointFields, SpringFields):
+class RodFields(JointFields, SpringFields, total=False):
     """The keyword arguments of `DoubleBall` and `DoubleHinge` beside anchors and axis."""
 
     distance: float | None

@@ -16,7 +16,7 @@ from osgode.native import lib
 from osgode.nodes.body import Body
 
 
-class Hinge2Fields(JointFields, Limot1Fields):
+class Hinge2Fields(JointFields, Limot1Fields, total=False):
     """The keyword arguments of `Hinge2` beside its anchor and axes."""
 
     suspension_erp: float | None

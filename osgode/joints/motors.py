@@ -125,7 +125,7 @@ class _Motor(Driven):
         return flat, [0, len(self._axes), *(numbers[each] for each in self._relative)]
 
 
-class AngularMotorFields(JointFields, Limot1Fields, Limot2Fields, Limot3Fields):
+class AngularMotorFields(JointFields, Limot1Fields, Limot2Fields, Limot3Fields, total=False):
     """The keyword arguments of `AngularMotor` beside axes and mode."""
 
     user_angle1: float

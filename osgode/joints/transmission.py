@@ -22,7 +22,7 @@ RIGHT, LESS = 1e-4, 1e-6
 RADIUS = optional(number(*SIZE_LIMITS))
 
 
-class TransmissionFields(JointFields, SpringFields):
+class TransmissionFields(JointFields, SpringFields, total=False):
     """The keyword arguments of `Transmission` beside its anchors and axes."""
 
     ratio: float
