@@ -30,8 +30,8 @@ SIDES = ((1.0, 0.85, 0.1, 1.0), (0.1, 0.9, 1.0, 0.4))
 LINE = (1.0, 1.0, 1.0, 1.0)
 BALLS, THIN = (0.07, 0.13), 0.02
 """Radii of ball, halo and line, for marks of size 1."""
-LONGEST = 1e4
-"""Metres of the mesh of a line; it is shrunk to what is needed, see `PoseSource.matrices`."""
+SHORTEST, LONGEST = 1e-6, 1e4
+"""Metres: shorter lines aren't drawn; that of the mesh of a line, which is shrunk, see `PoseSource.matrices`."""
 
 UNTURNED = 2
 """Beside BODY1 and BODY2 as a way to be carried: moved by body 1, but not turned."""
@@ -195,17 +195,24 @@ class _Marks(Group):
                 carriers[k, side] = tables[id(world)][body._index] @ self._rests[k][side]
             base = np.array([*self._bases[k], 1.0])
             carriers[k, UNTURNED, :, 3] += carriers[k, BODY1] @ base - base
-        result = np.empty((len(self._rows), 4, 4))
-        for row, mark in zip(result, self._rows, strict=True):
-            if isinstance(mark, _Line):
-                row[:] = _between(carriers[mark.joint, BODY1] @ mark.start, carriers[mark.joint, BODY2] @ mark.end)
-            else:
-                at = mark.at
-                if mark.number >= 0:
-                    at = _at(self._bases[mark.joint], _free_axes(self._state[mark.joint][0])[mark.number])
-                row[:] = carriers[mark.joint, mark.carrier] @ at
+        result = np.zeros((len(self._rows), 4, 4))
+        riders = [(k, mark) for k, mark in enumerate(self._rows) if isinstance(mark, _Rider)]
+        lines = [(k, mark) for k, mark in enumerate(self._rows) if isinstance(mark, _Line)]
+        if riders:
+            at = np.array([mark.at if mark.number < 0 else self._free(mark) for _, mark in riders])
+            places = [mark.joint for _, mark in riders], [mark.carrier for _, mark in riders]
+            result[[k for k, _ in riders]] = carriers[places] @ at
+        if lines:
+            joints = [mark.joint for _, mark in lines]
+            starts = np.einsum("nij,nj->ni", carriers[joints, BODY1], np.array([mark.start for _, mark in lines]))
+            ends = np.einsum("nij,nj->ni", carriers[joints, BODY2], np.array([mark.end for _, mark in lines]))
+            for n in np.flatnonzero(np.abs(ends - starts).max(axis=1) > SHORTEST):
+                result[lines[n][0]] = _between(starts[n], ends[n])
         result[:, 3] = (0.0, 0.0, 0.0, 1.0)
         return result
+
+    def _free(self, mark: _Rider) -> FloatArray:
+        return _at(self._bases[mark.joint], _free_axes(self._state[mark.joint][0])[mark.number])
 
 
 def _refresh(node: Node) -> None:
@@ -250,9 +257,9 @@ def _at(point: Vec3, direction: Vec3) -> FloatArray:
 
 
 def _between(start: FloatArray, end: FloatArray) -> FloatArray:
-    """The matrix that makes the mesh of a line one from a point to another, and nothing where they are one."""
+    """The matrix that makes the mesh of a line one from a point to another."""
     first, last = Vec3(*map(float, start[:3])), Vec3(*map(float, end[:3]))
     way = last - first
     matrix = _at((first + last) / 2, way)
-    matrix[:3, :3] *= (1.0, 1.0, way.length / LONGEST) if way.length > 0.0 else 0.0
+    matrix[:3, 2] *= way.length / LONGEST
     return matrix
