@@ -32,18 +32,19 @@ class Door(Example):
     """A wall with a door, and a gallows before it."""
 
     SECONDS = 8.0
-    MOMENTS = (0.5, 1.7, 2.2, 6.0)
+    MOMENTS = (2.2, 0.5, 1.7, 6.0)
     WORLD: ClassVar = {"iterations": 60}  # a chain needs more than a heap
 
     def build(self) -> None:
         """Ground, wall, door, gallows, chain."""
-        self.camera = Orbit(oo.Vec3(0.0, 2.0, 0.8), 8.2, yaw=0.45, pitch=0.3, turn=-0.02)
+        self.camera = Orbit(oo.Vec3(0.0, 2.0, 0.8), 7.6, yaw=0.45, pitch=0.3, turn=-0.02)
         self.fixed.attach(oo.Plane(material="concrete", appearance=look("dirt", scale=3.0, shine=0.0)))
         self.build_wall()
         self.build_gallows()
         self.build_door()
         self.build_chain()
         self.widest, self.loosest = 0.0, 0.0
+        self.show_joints(0.8)
 
     def block(self, material: str, texture: str, low: Corner, high: Corner) -> None:
         """A static box between two corners."""

@@ -101,6 +101,36 @@ class Example(ABC):
     def build(self) -> None:
         """Put everything into the world, and the camera before it."""
 
+    def body(
+        self,
+        shape: oo.Geom,
+        position: oo.Vec3Like,
+        rotation: oo.QuatLike = (1.0, 0.0, 0.0, 0.0),
+        *,
+        name: str = "",
+        collides: bool = True,
+    ) -> oo.Body:
+        """A body of one part; without ``collides`` it is in no space, and passes through everything."""
+        body = oo.Body(name=name, position=position, rotation=rotation)
+        body.attach(oo.Placeable()).attach(shape)
+        return (self.moving if collides else self.world).attach(body)
+
+    def still(
+        self, shape: oo.Geom, position: oo.Vec3Like = (0.0, 0.0, 0.0), rotation: oo.QuatLike = (1.0, 0.0, 0.0, 0.0)
+    ) -> oo.Placeable:
+        """A part of the static world."""
+        place = self.fixed.attach(oo.Placeable(position=position, rotation=rotation))
+        place.attach(shape)
+        return place
+
+    def ground(self, texture: str = "concrete", tint: tuple[float, float, float] = (0.8, 0.8, 0.8)) -> None:
+        """Level ground."""
+        self.fixed.attach(oo.Plane(material="concrete", appearance=look(texture, tint, scale=4.0, shine=0.0)))
+
+    def show_joints(self, size: float = 0.3) -> None:
+        """Draw anchors and axes of all joints over the picture."""
+        self.world.attach(oo.joint_marks(self.world, size=size))
+
     def before_step(self) -> None:  # noqa: B027  (most do nothing)
         """Called before each step: what the script does, and what is to be watched."""
 
@@ -149,6 +179,15 @@ def look(
     """
     metres = None if scale is None else (scale, scale)
     return oo.Appearance((*tint, 1.0), texture(name), metres, shine)
+
+
+def painted(red: float, green: float, blue: float, shine: float = 0.6) -> oo.Appearance:
+    """One colour, shining a little."""
+    return oo.Appearance((red, green, blue, 1.0), shininess=shine)
+
+
+ALONG_X, ALONG_Y = oo.Quat.between((0, 0, 1), (1, 0, 0)), oo.Quat.between((0, 0, 1), (0, 1, 0))
+"""Rotations that lay a cylinder or capsule along x or y."""
 
 
 @dataclass

@@ -61,10 +61,10 @@ class Terrain(Example):
     def build(self) -> None:
         """Put it all up."""
         self.camera = Orbit(oo.Vec3(0.0, 1.3, -1.5), 13.6, yaw=0.35, pitch=0.4, turn=-0.03)
-        self.ground = oo.Heightfield(
+        self.terrain = oo.Heightfield(
             heights(), (SIZE, SIZE), material="earth", appearance=look("grass", scale=5.0, shine=0.0), name="valley"
         )
-        self.fixed.attach(oo.Placeable()).attach(self.ground)
+        self.fixed.attach(oo.Placeable()).attach(self.terrain)
         self.world.surfaces.fallback = oo.Surface(0.6, rolling_friction=0.004)
         with_hulls = is_installed("scipy", "vhacdx")
         self.rings = {policy: self.lay_ring(policy) for policy in POLICIES if with_hulls or policy == "mesh"}
@@ -74,7 +74,7 @@ class Terrain(Example):
         for k in range(36):
             x, z = chance.choice((-1, 1)) * chance.uniform(9, 14), chance.uniform(-8, 6)
             radius = chance.uniform(0.2, 0.42)
-            self.rolling.append(self.drop_ball((x, self.ground.height_at(x, z) + radius + 0.05, z), radius, k))
+            self.rolling.append(self.drop_ball((x, self.terrain.height_at(x, z) + radius + 0.05, z), radius, k))
         self.start = [ball.position for ball in self.rolling]
         self.build_beacon()
 
@@ -96,7 +96,7 @@ class Terrain(Example):
 
     def build_beacon(self) -> None:
         """A head that a motor turns on a mast, with the ray in it, and the spot where the ray ends."""
-        foot = self.ground.height_at(BEACON.x, BEACON.z)
+        foot = self.terrain.height_at(BEACON.x, BEACON.z)
         mast = self.fixed.attach(
             oo.Placeable(
                 position=(BEACON.x, (BEACON.y + foot) / 2, BEACON.z), rotation=oo.Quat.between((0, 0, 1), (0, 1, 0))
@@ -142,12 +142,12 @@ class Terrain(Example):
         if hit is None:
             return
         self.seen.add(hit.geom.name if hit.body is None else hit.body.name)
-        if hit.geom is self.ground:
-            self.error = max(self.error, abs(hit.point.y - self.ground.height_at(hit.point.x, hit.point.z)))
+        if hit.geom is self.terrain:
+            self.error = max(self.error, abs(hit.point.y - self.terrain.height_at(hit.point.x, hit.point.z)))
         for ball in (*self.rolling, *self.rings.values()):
             x, y, z = ball.position
             if max(abs(x), abs(z)) < SIZE / 2:
-                self.lowest = min(self.lowest, y - self.ground.height_at(x, z))
+                self.lowest = min(self.lowest, y - self.terrain.height_at(x, z))
 
     def check(self) -> None:
         """The hull is closed and the other rings are open; balls rolled down; the ray saw ground and things."""

@@ -38,6 +38,7 @@ from osgode.joints.events import LetGo, Reaction
 from osgode.joints.fixed import Fixed
 from osgode.joints.hinge import Hinge
 from osgode.joints.hinge2 import Hinge2
+from osgode.joints.marks import joint_marks
 from osgode.joints.motors import AngularMotor, LinearMotor
 from osgode.joints.plane2d import Plane2D
 from osgode.joints.servo import Servo
@@ -165,6 +166,7 @@ __all__ = [
     "cylinder_drawable",
     "define_kind",
     "define_material",
+    "joint_marks",
     "live_natives",
     "load_model",
     "load_texture",

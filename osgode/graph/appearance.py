@@ -63,6 +63,7 @@ class Appearance:
             None stretches it once over each face.
         shininess: 0 (matt) to 1 (polished).
         unlit: drawn in its own colour, whatever the light.
+        in_front: drawn over everything that isn't in front itself, and without a shadow: for marks on things.
     """
 
     colour: tuple[float, float, float, float] = (0.8, 0.8, 0.8, 1.0)
@@ -70,6 +71,7 @@ class Appearance:
     texture_scale: tuple[float, float] | None = None
     shininess: float = 0.2
     unlit: bool = field(default=False)
+    in_front: bool = field(default=False)
 
     def __post_init__(self) -> None:
         colour = tuple(float(c) for c in self.colour)

@@ -94,6 +94,7 @@ class CullVisitor(Visitor):
             overlay=list(overlay),
             sun=sun,
             sky=Sky() if sky is None else sky,
+            front=shown.front_bins(inside),
         )
 
     # -- the walk

@@ -61,7 +61,7 @@ class DrawList:
     """Instances in an order in which those that can be drawn together stand together.
 
     First come the opaque ones that cast shadows, then the other opaque ones (unlit: what shines throws no shadow),
-    then the transparent ones.
+    then the transparent ones, and at last those that are drawn in front of everything, the opaque ones first.
 
     Args:
         instances: in any order, which is kept among equals.
@@ -74,8 +74,10 @@ class DrawList:
         count = len(ordered)
         self._starts: Selection = np.searchsorted(self._bin_of, np.arange(len(self._keys) + 1))
         looks = [self._keys[k][1] for k in self._bin_of]
-        self._casters = sum(not (look.transparent or look.unlit) for look in looks)
-        self._opaque = sum(not look.transparent for look in looks)
+        behind = [look for look in looks if not look.in_front]
+        self._casters = sum(not (look.transparent or look.unlit) for look in behind)
+        self._opaque = sum(not look.transparent for look in behind)
+        self._behind = len(behind)
 
         inner = np.empty((count, 4, 5))
         if count:
@@ -109,7 +111,8 @@ class DrawList:
             if same is None:
                 same = by_identity[identity] = by_look.setdefault((id(each.mesh), each.appearance), [])
             same.append(each)
-        bins = sorted(by_look.values(), key=lambda same: (same[0].appearance.transparent, same[0].appearance.unlit))
+        looks = ("in_front", "transparent", "unlit")
+        bins = sorted(by_look.values(), key=lambda same: tuple(getattr(same[0].appearance, look) for look in looks))
         self._keys = [(same[0].mesh, same[0].appearance) for same in bins]
         numbers = np.repeat(np.arange(len(bins)), [len(same) for same in bins])
         return [each for same in bins for each in same], numbers
@@ -139,9 +142,9 @@ class DrawList:
 
     def transparent_bins(self, inside: npt.NDArray[np.bool_], eye: Vec3) -> list[Bin]:
         """The transparent instances among those marked, far to near, neighbours of one kind in one Bin."""
-        if self._opaque == len(self):
+        if self._opaque == self._behind:
             return []
-        chosen = np.flatnonzero(inside[self._opaque :]) + self._opaque
+        chosen = np.flatnonzero(inside[self._opaque : self._behind]) + self._opaque
         distances = ((self._centres[chosen] - eye) ** 2).sum(axis=1)
         chosen = chosen[np.argsort(-distances, kind="stable")]
         kinds = self._bin_of[chosen]
@@ -152,6 +155,12 @@ class DrawList:
             mesh, look = self._keys[kinds[start]]
             bins.append(Bin(mesh, look, matrices[start:end]))
         return bins
+
+    def front_bins(self, inside: npt.NDArray[np.bool_]) -> list[Bin]:
+        """The instances among those marked that are drawn in front of everything."""
+        if self._behind == len(self):
+            return []
+        return self._bins(np.flatnonzero(inside[self._behind :]) + self._behind)
 
     def caster_bins(self, sun: Sun, centre: Vec3, radius: float) -> list[Bin]:
         """The instances whose shadow can fall into the sphere, wherever they are themselves."""

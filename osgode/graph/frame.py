@@ -119,7 +119,8 @@ class Frame:
 
     ``opaque`` and ``transparent`` hold what the camera sees, ``transparent`` from far to near (each Bin a run
     of neighbours in that order with the same mesh and appearance); ``casters`` what throws shadows into
-    the picture; ``overlay`` is drawn last, in order.
+    the picture; ``front`` what is seen through all of these, as if they weren't there, opaque before transparent;
+    ``overlay`` is drawn last, in order.
     """
 
     view: View
@@ -130,6 +131,7 @@ class Frame:
     overlay: list[Rectangle | Text] = field(default_factory=list)
     sun: Sun = Sun()
     sky: Sky = Sky()
+    front: list[Bin] = field(default_factory=list)
 
 
 class Drawer(Protocol):

@@ -22,8 +22,9 @@ class PoseSource(Protocol):
         """The poses at the last step (1.0), at the one before (0.0), or between.
 
         Returns:
-            (n, 4, 4) rigid motions (no scale), ``v_source = matrix @ v_transform``; rows that no
-            transform refers to may hold anything.
+            (n, 4, 4) rigid motions, ``v_source = matrix @ v_transform``; they may make things smaller, but never
+            larger, since what is out of the picture is known by sizes at scale 1. Rows that no transform refers to
+            may hold anything.
         """
 
 

@@ -45,4 +45,4 @@ class RecordingDrawer:
 
 
 def _seen(frame: Frame) -> list[Bin]:
-    return [*frame.opaque, *frame.transparent]
+    return [*frame.opaque, *frame.transparent, *frame.front]

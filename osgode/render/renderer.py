@@ -108,7 +108,7 @@ class GLRenderer:
         selected = select(frame.casters if frame.sun.shadows else [], axes, cascades)
         self._write_frame(frame, aspect, axes, cascades)
 
-        bins = [*frame.opaque, *frame.transparent]
+        bins = [*frame.opaque, *frame.transparent, *frame.front]
         blocks = [one.matrices for one in bins] + [matrices for matrices, _ in selected]
         firsts = self._instances.write(blocks)
         starts = firsts[len(bins) :]
@@ -131,6 +131,7 @@ class GLRenderer:
         context.disable(context.CULL_FACE)
         self._sky.render(vertices=3)
         draws += 1 + self._draw_transparent(frame.transparent, firsts[len(frame.opaque) :], shadowed, target)
+        draws += self._draw_front(frame.front, firsts[len(frame.opaque) + len(frame.transparent) :], target)
         draws += self._overlay.draw(frame.overlay, frame.size)
         self.counts = Counts(draws, sum(map(len, blocks)), self._resources.mesh_count, self._resources.texture_count)
 
@@ -177,6 +178,18 @@ class GLRenderer:
                 mesh.draw(program, self._instances, first, len(one.matrices), faces)
         target.depth_mask = True
         return 2 * len(bins)
+
+    def _draw_front(self, bins: list[Bin], firsts: list[int], target: moderngl.Framebuffer) -> int:
+        if not bins:
+            return 0
+        target.color_mask = (False, False, False, False)
+        target.clear(depth=1.0)
+        target.color_mask = (True, True, True, True)
+        target.use()  # a mask counts from then on
+        for one, first in zip(bins, firsts, strict=False):
+            program = self._set_appearance(one.appearance, shadowed=False, cutout=True)
+            self._resources.mesh(one.mesh).draw(program, self._instances, first, len(one.matrices), "both")
+        return len(bins)
 
     def _set_appearance(self, appearance: Appearance, shadowed: bool, *, cutout: bool) -> moderngl.Program:
         texture, features = appearance.texture, []
