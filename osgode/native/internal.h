@@ -141,11 +141,6 @@ HIDDEN void read_gears(const oo_joint *, double *angle, double *rate);
 HIDDEN void place_gears(oo_joint *, const double *s, int mode);
 HIDDEN void axis_of_body(const oo_joint *, int of, const double *world, double *local);
 HIDDEN void axis_in_world(const oo_joint *, int of, const double *local, double *world);
-static inline void cross(double *out, const double *a, const double *b) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
 /* After a step. */
 HIDDEN void find_broken_joints(oo_world *);
 
