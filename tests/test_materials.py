@@ -106,7 +106,7 @@ def test_kinds_come_in_any_collection(kinds):
 
 
 def test_a_surface_is_a_row_of_odes():
-    row = oo.Surface(0.25, bounce=0.5, bounce_velocity=0.2, slip=0.01, soft_erp=0.3, soft_cfm=1e-4).row()
+    row = oo.Surface(0.25, bounce=0.5, bounce_velocity=0.2, slip=0.01, soft_erp=0.3, soft_cfm=1e-4).row(0.01)
     assert (row.mu, row.bounce, row.bounce_vel) == (0.25, 0.5, 0.2)
     assert (row.slip1, row.slip2, row.soft_erp, row.soft_cfm) == (0.01, 0.01, 0.3, 1e-4)
     wanted = (
@@ -121,10 +121,10 @@ def test_a_surface_is_a_row_of_odes():
 
 
 def test_a_plain_surface_turns_nothing_on():
-    assert oo.Surface().row().mode == lib.dContactApprox1
-    assert oo.Surface(model="force limit").row().mode == lib.dContactApprox0
-    assert oo.Surface(math.inf).row().mu == math.inf
-    rolling = oo.Surface(rolling_friction=0.02).row()
+    assert oo.Surface().row(0.01).mode == lib.dContactApprox1
+    assert oo.Surface(model="force limit").row(0.01).mode == lib.dContactApprox0
+    assert oo.Surface(math.inf).row(0.01).mu == math.inf
+    rolling = oo.Surface(rolling_friction=0.02).row(0.01)
     assert rolling.mode == lib.dContactApprox1 | lib.dContactRolling
     assert (rolling.rho, rolling.rho2, rolling.rhoN) == (0.02, 0.02, 0.02)
 

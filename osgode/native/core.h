@@ -36,7 +36,7 @@ enum oo_geom_flags {
 
 enum { OO_REFUSED = 0x7fffffff }; /* as the surface of a contact row: it doesn't act */
 
-enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END };
+enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END, OO_UNASKED };
 
 typedef struct oo_body {
     dBodyID id;

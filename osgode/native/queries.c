@@ -44,23 +44,26 @@ static void keep_hit(oo_world *w, oo_hit hit) {
     w->hits[w->hit_count++] = hit;
 }
 
+/* Boxes are tested a little farther than the geoms in them, lest rounding decide. */
+static double reaching(double length) { return length * (1 + 1e-9) + 1e-9; }
+
 static void try_ray(void *data, unsigned int slot) {
     asked *a = data;
     dContactGeom contact;
     if (!wanted(a, slot) || !dCollide(a->geom, a->world->geoms[slot].id, 1, &contact, sizeof contact)) return;
     if (!usable(&contact)) return;
-    oo_hit hit = hit_of(slot, &contact, 1);
+    oo_hit hit = hit_of(slot, &contact, dot(contact.normal, a->ray->direction) > 0 ? -1 : 1);
     if (!a->nearest) {
         keep_hit(a->world, hit);
         return;
     }
     int nearer = a->nearest->slot < 0 || hit.distance < a->nearest->distance;
     if (nearer || (hit.distance == a->nearest->distance && hit.slot < a->nearest->slot)) *a->nearest = hit;
-    a->ray->length = fmin(a->ray->length, hit.distance); /* what begins farther away needs no look */
+    a->ray->length = fmin(a->ray->length, reaching(hit.distance)); /* what begins farther away needs no look */
 }
 
 static ray follow(const double *row) {
-    ray r = {.length = row[6]};
+    ray r = {.length = reaching(row[6])};
     for (int k = 0; k < 3; k++) {
         r.origin[k] = row[k];
         r.direction[k] = row[3 + k];
@@ -73,12 +76,15 @@ static ray follow(const double *row) {
 static int cast(oo_world *w, const oo_query *query, const double *rays, unsigned int count, oo_hit *out) {
     w->hit_count = 0;
     w->out_of_memory = 0;
+    volatile int begun = 0;
     if (guard_enter()) {
         lock_meshes(0);
+        if (begun) end_queries(w);
         return OO_ASSERT;
     }
     int status = begin_queries(w, count);
-    if (status == OO_OK) {
+    begun = status == OO_OK;
+    if (begun) {
         dGeomID geom = dCreateRay(0, 1);
         dGeomRaySetClosestHit(geom, 1);
         lock_meshes(1);
@@ -135,12 +141,15 @@ static int by_slot(const void *a, const void *b) { return ((const oo_hit *)a)->s
 int oo_find_overlaps(oo_world *w, const oo_query *query, unsigned int slot) {
     w->hit_count = 0;
     w->out_of_memory = 0;
+    volatile int begun = 0;
     if (guard_enter()) {
         lock_meshes(0);
+        if (begun) end_queries(w);
         return OO_ASSERT;
     }
     int status = begin_queries(w, 1);
-    if (status == OO_OK) {
+    begun = status == OO_OK;
+    if (begun) {
         asked a = {w, query, w->geoms[slot].id, slot, NULL, NULL};
         in_box_of(w, a.geom, try_overlap, &a);
         end_queries(w);

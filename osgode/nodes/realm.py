@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 import weakref
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
-from osgode.errors import PhysicsError, StateError
+from osgode.errors import OsgodeError, PhysicsError, StateError
 from osgode.maths import FloatArray, Vec3Like
 from osgode.native import ffi, lib
 
@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from osgode.joints.base import Joint
+    from osgode.materials import Surface
     from osgode.nodes.base import PhysicsNode
     from osgode.nodes.body import Body
+    from osgode.nodes.geom import Geom
     from osgode.nodes.meshdata import MeshData
     from osgode.nodes.world import World
 
@@ -52,7 +54,8 @@ class Realm:
         self._lock = threading.RLock()
         self._meshes: dict[int, tuple[Any, MeshData, int]] = {}
         self._own_surfaces: list[int] = []
-        self._lent: list[int] = []
+        self._lent: dict[Surface, int] = {}
+        self.removals = 0  # of geoms and spaces, since the beginning
         self.poses: FloatArray = np.zeros((0, POSE_WIDTH))
         self.previous: FloatArray = np.zeros((0, POSE_WIDTH))
         self._grow_tables(16)
@@ -162,13 +165,23 @@ class Realm:
         ref = self._geoms[slot] if 0 <= slot < len(self._geoms) else None
         return None if ref is None else ref()
 
+    def geom_of_slot(self, slot: int) -> Geom:
+        """The geom that has or last had a slot, where a touch names it, so that there is one."""
+        node: Any = self.node_of_slot(slot)
+        if node is None:
+            raise OsgodeError(f"a touch names slot {slot}, which no geom has: a fault in osgode")
+        return cast("Geom", node)
+
     def remove_slot(self, slot: int) -> None:
         """Free a native geom or space. The next step may still report that it is no longer touched."""
         is_space = self.ptr.geoms[slot].flags & lib.OO_IS_SPACE
         lib.oo_geom_free(self.ptr, slot)
+        self.removals += 1
         world = None if self.world_ref is None else self.world_ref()
         if world is not None and not is_space:
             world._retired.append((slot, self.node_of_slot(slot)))
+            world._touch_ears.set(slot, ())
+            world._collide_ears.set(slot, ())
 
     def forget_slot(self, slot: int) -> None:
         """No longer know which node had a slot, unless it has been given to another."""
@@ -213,15 +226,15 @@ class Realm:
         """Give that place back."""
         self._own_surfaces.append(index)
 
-    def lend_surface(self, row: Any) -> int:
+    def lend_surface(self, surface: Surface) -> int:
         """The same until the end of the step."""
-        index = self.take_surface(row)
-        self._lent.append(index)
-        return index
+        if surface not in self._lent:
+            self._lent[surface] = self.take_surface(surface.row(self.ptr.step_size))
+        return self._lent[surface]
 
     def take_back_surfaces(self) -> None:
         """At the end of the step."""
-        self._own_surfaces += self._lent
+        self._own_surfaces += self._lent.values()
         self._lent.clear()
 
     # -- the end
