@@ -41,11 +41,13 @@ from osgode.maths import Pose, Quat, QuatLike, Vec3, Vec3Like, look_at
 from osgode.native import live_natives
 from osgode.nodes.base import PhysicsNode
 from osgode.nodes.body import Body
+from osgode.nodes.feedback import CollisionFeedback
 from osgode.nodes.geom import Geom
 from osgode.nodes.meshdata import MeshData
 from osgode.nodes.placeable import Placeable
 from osgode.nodes.plane import Plane
 from osgode.nodes.primitives import Box, Capsule, Cylinder, Sphere
+from osgode.nodes.queries import Hit, RayHits
 from osgode.nodes.spaces import HashSpace, QuadTreeSpace, SimpleSpace, Space, SweepAndPruneSpace
 from osgode.nodes.touch import Touch
 from osgode.nodes.trimesh import Trimesh
@@ -64,6 +66,7 @@ __all__ = [
     "Body",
     "Box",
     "Capsule",
+    "CollisionFeedback",
     "CullVisitor",
     "Cylinder",
     "DoubleBall",
@@ -78,6 +81,7 @@ __all__ = [
     "HashSpace",
     "Hinge",
     "Hinge2",
+    "Hit",
     "Joint",
     "Leaf",
     "LetGo",
@@ -103,6 +107,7 @@ __all__ = [
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
+    "RayHits",
     "Reaction",
     "Rectangle",
     "Servo",

@@ -130,21 +130,21 @@ class CollisionFeedback:
 def ask(realm: Realm, ears: Ears) -> list[Exception]:
     """Call the listeners of what is about to collide; all are heard, and their errors returned."""
     errors: list[Exception] = []
-    ptr, geom_of_slot = realm.ptr, realm.geom_of_slot
+    ptr, nodes = realm.ptr, realm.nodes_by_slot
     removals = realm.removals
     for pair in c_rows(ptr.touching, ptr.touching_count, TOUCH_ROW).tolist():
         slot1, slot2, state = pair[0], pair[1], pair[4]
         if state == lib.OO_UNASKED:
             continue
         ears1, ears2 = ears.now.get(slot1, ()), ears.now.get(slot2, ())
-        told = [(False, ear) for ear in ears1]
-        told += [(True, ear) for ear in ears2 if ear not in ears1] if ears1 else [(True, ear) for ear in ears2]
-        for flip, ear in told:
+        geom1, geom2 = nodes[slot1](), nodes[slot2]()
+        told = [(geom1, geom2, False, ear) for ear in ears1]
+        told += [(geom2, geom1, True, ear) for ear in ears2 if ear not in ears1]
+        for own, other, flip, ear in told:
             if realm.removals != removals and not ptr.geoms[slot1].flags & ptr.geoms[slot2].flags & lib.OO_ALIVE:
                 break  # another listener has taken one of them away
-            own, other = (slot2, slot1) if flip else (slot1, slot2)
             begin = state == lib.OO_BEGIN or not ears.knew(ear, slot1, slot2)
-            feedback = CollisionFeedback(realm, pair, geom_of_slot(own), geom_of_slot(other), flip, begin)
+            feedback = CollisionFeedback(realm, pair, own, other, flip, begin)
             try:
                 ear[1](feedback)
             except Exception as error:  # noqa: BLE001 - every listener is heard before the errors are raised

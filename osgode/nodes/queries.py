@@ -204,7 +204,8 @@ class Queries(PhysicsNode):
         """What a shape would overlap if it stood somewhere: a Hit at the deepest point of each, in no special order.
 
         ``normal`` points from the other geom towards the shape: moved along it by ``distance`` (the depth) the shape is
-        about free. Surfaces without an inside (meshes) are overlapped where their triangles are.
+        about free. A mesh is a surface: it is overlapped from outside, and what has its middle behind the triangles may be
+        missed; so may, rarely, a cylinder deep in a box.
 
         Args:
             shape: a geom that is in no World; it isn't changed.

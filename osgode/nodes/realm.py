@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 import weakref
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from osgode.errors import OsgodeError, PhysicsError, StateError
+from osgode.errors import PhysicsError, StateError
 from osgode.maths import FloatArray, Vec3Like
 from osgode.native import ffi, lib
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from osgode.materials import Surface
     from osgode.nodes.base import PhysicsNode
     from osgode.nodes.body import Body
-    from osgode.nodes.geom import Geom
     from osgode.nodes.meshdata import MeshData
     from osgode.nodes.world import World
 
@@ -165,12 +164,10 @@ class Realm:
         ref = self._geoms[slot] if 0 <= slot < len(self._geoms) else None
         return None if ref is None else ref()
 
-    def geom_of_slot(self, slot: int) -> Geom:
-        """The geom that has or last had a slot, where a touch names it, so that there is one."""
-        node: Any = self.node_of_slot(slot)
-        if node is None:
-            raise OsgodeError(f"a touch names slot {slot}, which no geom has: a fault in osgode")
-        return cast("Geom", node)
+    @property
+    def nodes_by_slot(self) -> list[Any]:
+        """Weak references to the geoms and spaces that have or last had each slot; those that a touch names exist."""
+        return self._geoms
 
     def remove_slot(self, slot: int) -> None:
         """Free a native geom or space. The next step may still report that it is no longer touched."""

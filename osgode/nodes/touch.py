@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 CONTACT_ROW = row_dtype("oo_contact")
 TOUCH_ROW = row_dtype("oo_touch")
-STATES: dict[int, str] = {lib.OO_BEGIN: "begin", lib.OO_STAY: "stay", lib.OO_END: "end"}
+STATES = ("begin", "stay", "end")
 
 
 class Touch:
@@ -264,32 +264,32 @@ def tell_touches(realm: Realm, ears: Ears) -> list[Exception]:
 def _calls(realm: Realm, ears: Ears) -> list[tuple[Callable[[Touch], object], Touch]]:
     """Who is to be called with what. A loop that is run thousands of times in a step, so it is all in one place."""
     calls: list[tuple[Callable[[Touch], object], Touch]] = []
-    now, then, size, geom_of_slot = ears.now, ears.then, CONTACT_ROW.itemsize, realm.geom_of_slot
+    now, then, size, nodes = ears.now, ears.then, CONTACT_ROW.itemsize, realm.nodes_by_slot
+    changed = now is not then
     count = realm.ptr.contact_count
     raw = ffi.buffer(realm.ptr.contacts, count * size) if count else b""
     events = c_rows(realm.ptr.events, realm.ptr.event_count, TOUCH_ROW).tolist()
     for slot1, slot2, first, number, state, impulse in events:
-        ears1, ears2 = now.get(slot1), now.get(slot2)
-        if now is not then and (ears1 != then.get(slot1) or ears2 != then.get(slot2)):
-            told = ears.calls((slot1, slot2), state)
-        elif ears2 is None:
-            told = [(0, ear, state) for ear in ears1 or ()]
-        elif ears1 is None:
-            told = [(1, ear, state) for ear in ears2]
-        else:
-            told = [(0, ear, state) for ear in ears1] + [(1, ear, state) for ear in ears2 if ear not in ears1]
-        if not told:
+        ears1, ears2 = now.get(slot1, ()), now.get(slot2, ())
+        odd = changed and (ears1 != then.get(slot1, ()) or ears2 != then.get(slot2, ()))
+        if not (ears1 or ears2 or odd):
             continue
-        geom1, geom2 = geom_of_slot(slot1), geom_of_slot(slot2)
+        geom1, geom2 = nodes[slot1](), nodes[slot2]()
         rows = raw[first * size : (first + number) * size]
-        last = None
-        for side, (_, listener), its_state in told:
-            if last != (side, its_state):
-                last = side, its_state
+        if odd:
+            for side, (_, listener), its_state in ears.calls((slot1, slot2), state):
+                name = STATES[its_state]
                 if side:
-                    touch = Touch(geom2, geom1, STATES[its_state], impulse, slot2, rows)
+                    calls.append((listener, Touch(geom2, geom1, name, impulse, slot2, rows)))
                 else:
-                    touch = Touch(geom1, geom2, STATES[its_state], impulse, slot1, rows)
-            calls.append((listener, touch))
+                    calls.append((listener, Touch(geom1, geom2, name, impulse, slot1, rows)))
+            continue
+        name = STATES[state]
+        if ears1:
+            touch = Touch(geom1, geom2, name, impulse, slot1, rows)
+            calls += [(ear[1], touch) for ear in ears1]
+        if ears2:
+            touch = Touch(geom2, geom1, name, impulse, slot2, rows)
+            calls += [(ear[1], touch) for ear in ears2 if ear not in ears1]
     ears.settle()  # before any of them is called: what they change counts from the next step on
     return calls
