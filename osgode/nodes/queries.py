@@ -204,8 +204,8 @@ class Queries(PhysicsNode):
         """What a shape would overlap if it stood somewhere: a Hit at the deepest point of each, in no special order.
 
         ``normal`` points from the other geom towards the shape: moved along it by ``distance`` (the depth) the shape is
-        about free. A mesh is a surface: it is overlapped from outside, and what has its middle behind the triangles may be
-        missed; so may, rarely, a cylinder deep in a box.
+        about free. A mesh is a surface: what has its middle behind the triangles may be missed; so may, rarely, a
+        cylinder deep in a box.
 
         Args:
             shape: a geom that is in no World; it isn't changed.

@@ -193,7 +193,7 @@ def test_refusing_now_and_then_begins_and_ends_touches():
 
 
 def test_a_surface_for_these_contacts_bounces():
-    """e = 1 for equal balls: they exchange their velocities; the step after has the table's surface again."""
+    """With e = 1 balls exchange their velocities; the step after has the table's surface again."""
     world, _, left, right = two_balls(solver="exact")
     world.surfaces.fallback = oo.Surface(0.0)
     left.on_collide(lambda feedback: feedback.set_surface(oo.Surface(0.0, bounce=1.0, bounce_velocity=0)))
@@ -333,7 +333,7 @@ def test_contacts_of_what_is_gone_are_dropped():
 
 
 def test_what_is_put_into_one_body_does_not_collide():
-    world, _, left, right = two_balls()
+    world, _, left, _ = two_balls()
     heard = []
     left.on_collide(lambda feedback: feedback.other.move_to(feedback.geom.parent))
     left.on_touch(heard.append)
@@ -426,7 +426,7 @@ def test_errors_leave_when_the_step_is_done_and_all_have_heard():
     assert any("collide listener of Sphere 'ball 0'" in note for note in caught.value.__notes__)
     assert ground.world.steps == 1
     assert len(heard) == 2
-    bodies[2].on_touch(lambda touch: fail(touch))
+    bodies[2].on_touch(fail)
     with pytest.raises(ExceptionGroup) as group:
         ground.world.step()
     assert sorted(str(error) for error in group.value.exceptions) == ["ball 0", "ball 2"]
@@ -609,7 +609,7 @@ def test_what_lies_on_something_falls_when_that_becomes_a_sensor():
 
 
 def test_a_sensor_may_refuse_and_then_sees_nothing():
-    world, _, left, right = two_balls()
+    world, _, left, _ = two_balls()
     left.geoms[0].sensor = True
     left.on_collide(lambda feedback: feedback.refuse())
     world.step()

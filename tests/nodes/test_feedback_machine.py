@@ -39,7 +39,7 @@ class Chaos:
         self.world.on_touch(self.hear)
         self.spaces[0].on_collide(self.act)
 
-    def add(self):
+    def add(self, _=None):
         if len(self.world.bodies) > 30:
             return
         body = oo.Body(position=tuple(self.draw.uniform(-2, 2) + 2 * (k == 1) for k in range(3)))

@@ -118,7 +118,7 @@ def test_rays_meet_every_shape_where_geometry_says(kind, inside):
             if not inside and span[0] <= 0 < span[1] and abs(span[0]) < 1e-9:
                 continue
             expected = at if at is not None and at <= length else None
-            if at is not None and abs(at - length) < 1e-6 or span[1] - span[0] < 1e-3:
+            if (at is not None and abs(at - length) < 1e-6) or span[1] - span[0] < 1e-3:
                 continue  # too near the edge of the one or the other to say
         hit = world.cast_ray(pose.transform(start), rotation.rotate(way), length)
         assert (hit is None) == (expected is None)
