@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from benchmarks import joints, listener, memory, picture, raw, speed, startup
+from benchmarks import joints, listener, memory, picture, raw, rays, speed, startup
 from benchmarks.scenes import SCENES
 
-KINDS = ("step", "listener", "joints", "frame", "memory", "import")
+KINDS = ("step", "listener", "rays", "joints", "frame", "memory", "import")
 
 
 def main() -> None:
@@ -26,6 +26,8 @@ def main() -> None:
         speed.run(chosen.turns, chosen.scene)
     if "listener" in kinds:
         listener.run(chosen.turns)
+    if "rays" in kinds:
+        rays.run(max(2, chosen.turns // 6))
     if "joints" in kinds:
         joints.run(chosen.turns)
     if "frame" in kinds:

@@ -14,6 +14,8 @@ from osgode.nodes.touch import tell_touches
 
 AIM = 0.02
 """Of the time of a step."""
+EVERYBODY = 2.0
+"""Times a step without, for a listener on each of 1000 bodies."""
 
 
 def busiest(world: oo.World) -> int:
@@ -43,7 +45,7 @@ def heard_and_quiet(worlds: Sequence[oo.World], number: int, steps: int) -> floa
     return times[True] / times[False]
 
 
-def _nothing(touch: oo.Touch) -> None:
+def _nothing(touch: object) -> None:
     """Listen, and leave it at that."""
 
 
@@ -64,11 +66,32 @@ def run(turn_count: int) -> None:
 
         step = median_seconds(world.step, 20)
         touches: list[oo.Touch] = []
-        realm = world._realm
+        realm, ears = world._realm, world._touch_ears
         assert realm is not None
         world.bodies[busiest(world)].on_touch(touches.append)
         world.step()
         count = len(touches)
-        telling = median_seconds(lambda: tell_touches(realm))
+        telling = median_seconds(lambda: tell_touches(realm, ears))
     text = f"{telling * 1e6:.0f} us for {count} touches, {telling / step:.2%} of a step"
     row("telling it", text, f"{AIM:.0%}", good=telling / step < AIM)
+    everybody(worlds, turn_count)
+
+
+def everybody(worlds: Sequence[oo.World], turn_count: int) -> None:
+    """Print what a listener on every body costs, of touches and of collisions to come."""
+    for name in ("on_touch", "on_collide"):
+        ratios = []
+        with one_core():
+            for _ in range(max(2, turn_count // 6)):
+                times = {True: 0.0, False: 0.0}
+                for listening in worlds:
+                    for body in listening.bodies:
+                        getattr(body, name)(_nothing)
+                    for world in worlds:
+                        world.step(2)
+                        times[world is listening] += osgode_steps(world, 20).processor
+                    for body in listening.bodies:
+                        getattr(body, f"remove_{name}")(_nothing)
+                ratios.append(times[True] / times[False])
+        ratio = Spread.of(ratios)
+        row(f"{name} of every body / without", ratio.text(), f"{EVERYBODY:.0f}", good=ratio.median <= EVERYBODY)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -18,10 +19,16 @@ STATE_WIDTH = 13
 
 def build() -> None:
     """Compile the program unless that is done; ``make bench`` has done it."""
-    if PROGRAM.exists() and PROGRAM.stat().st_mtime > SOURCE.stat().st_mtime:
-        return
-    PROGRAM.parent.mkdir(parents=True, exist_ok=True)
-    subprocess.run(["cc", "-O2", "-o", PROGRAM, SOURCE, "-lode", "-lm"], check=True)  # noqa: S607
+    compiled(SOURCE)
+
+
+def compiled(source: Path) -> Path:
+    """The program of a C file, compiled unless that is done."""
+    program = PROGRAM.with_name(source.stem)
+    if not program.exists() or program.stat().st_mtime <= source.stat().st_mtime:
+        program.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run(["cc", "-O2", "-o", program, source, "-lode", "-lm"], check=True)  # noqa: S607
+    return program
 
 
 class Raw:

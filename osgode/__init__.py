@@ -55,14 +55,17 @@ from osgode.nodes.body import Body
 from osgode.nodes.centreofmass import CentreOfMass
 from osgode.nodes.colliders import colliders
 from osgode.nodes.convex import ConvexHull
+from osgode.nodes.feedback import CollisionFeedback
 from osgode.nodes.geom import Geom
 from osgode.nodes.heightdata import HeightData
 from osgode.nodes.heightfield import Heightfield
+from osgode.nodes.hit import Hit
 from osgode.nodes.meshdata import MeshData
 from osgode.nodes.placeable import Placeable
 from osgode.nodes.plane import Plane
 from osgode.nodes.primitives import Box, Capsule, Cylinder, Sphere
-from osgode.nodes.ray import Hit, Ray
+from osgode.nodes.queries import RayHits
+from osgode.nodes.ray import Ray
 from osgode.nodes.spaces import HashSpace, QuadTreeSpace, SimpleSpace, Space, SweepAndPruneSpace
 from osgode.nodes.touch import Touch
 from osgode.nodes.trimesh import Trimesh
@@ -84,6 +87,7 @@ __all__ = [
     "Capsule",
     "CentreOfMass",
     "Chain",
+    "CollisionFeedback",
     "ConvexHull",
     "CullVisitor",
     "Cylinder",
@@ -129,6 +133,7 @@ __all__ = [
     "QuatLike",
     "Ragdoll",
     "Ray",
+    "RayHits",
     "Reaction",
     "Rectangle",
     "Servo",

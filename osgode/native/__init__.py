@@ -91,5 +91,5 @@ def _dtype(c_type: Any) -> np.dtype[Any]:
         )
     if c_type.kind == "array":
         return np.dtype((_dtype(c_type.item), (c_type.length,)))
-    codes = {"double": "f8", "int": "i4", "unsigned int": "u4"}
+    codes = {"double": "f8", "float": "f4", "int": "i4", "unsigned int": "u4"}
     return np.dtype(codes[c_type.cname])

@@ -42,7 +42,7 @@ enum oo_geom_flags {
 /* As the surface of a contact row: it only reports; it was refused, and does not even that. */
 enum oo_surface_index { OO_NO_RESPONSE = 0x7fffffff, OO_REFUSED = 0x7ffffffe };
 
-enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END };
+enum oo_touch_state { OO_BEGIN, OO_STAY, OO_END, OO_UNASKED };
 
 enum oo_tunnelling { OO_TUNNEL, OO_TUNNEL_RAY, OO_TUNNEL_SWEEP };
 

@@ -8,6 +8,7 @@ typedef struct asked {
     const oo_geom *geom; /* the ray or the shape */
     unsigned int own;
     ray *ray;
+    const double *row; /* what the ray was made from */
     oo_hit *nearest; /* or NULL: keep all */
 } asked;
 
@@ -44,23 +45,79 @@ static void keep_hit(oo_world *w, oo_hit hit) {
     w->hits[w->hit_count++] = hit;
 }
 
+/* Boxes are tested a little farther than the geoms in them, lest rounding decide. */
+static double reaching(double length) { return length * (1 + 1e-9) + 1e-9; }
+
+/* ODE loses rays that leave a capsule nearly along its axis, so these are ours. A capsule is convex: where a line is in it
+   is one span, that of its two balls and the cylinder between them together. */
+static int meet_capsule(const asked *a, dGeomID capsule, dContactGeom *out) {
+    const ray *r = a->ray;
+    const dReal *at = dGeomGetPosition(capsule), *turn = dGeomGetRotation(capsule);
+    dReal radius, length;
+    dGeomCapsuleGetParams(capsule, &radius, &length);
+    double axis[3] = {turn[2], turn[6], turn[10]}, from[3], low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < 3; k++) from[k] = r->origin[k] - at[k];
+    double along = dot(from, axis), rate = dot(r->direction, axis), half = length / 2;
+    double b = dot(from, r->direction), c = dot(from, from) - radius * radius;
+    for (int end = -1; end <= 1; end += 2) { /* |from + t direction - end half axis| = radius */
+        double b_end = b - end * half * rate, c_end = c - 2 * end * half * along + half * half;
+        double under = b_end * b_end - c_end;
+        if (under <= 0) continue;
+        low = fmin(low, -b_end - sqrt(under));
+        high = fmax(high, -b_end + sqrt(under));
+    }
+    double across = 1 - rate * rate, b_across = b - along * rate, c_across = c - along * along;
+    double under = b_across * b_across - across * c_across, first = -INFINITY, last = INFINITY;
+    if (across > 1e-12) {
+        first = under > 0 ? (-b_across - sqrt(under)) / across : INFINITY;
+        last = under > 0 ? (-b_across + sqrt(under)) / across : -INFINITY;
+    } else if (c_across >= 0) {
+        first = INFINITY;
+    }
+    if (rate != 0) {
+        double one = (-half - along) / rate, other = (half - along) / rate;
+        first = fmax(first, fmin(one, other));
+        last = fmin(last, fmax(one, other));
+    } else if (fabs(along) > half) {
+        first = INFINITY;
+    }
+    if (first < last) {
+        low = fmin(low, first);
+        high = fmax(high, last);
+    }
+    double t = low >= 0 ? low : high;
+    if (!(low < high) || t < 0 || t > a->row[6]) return 0;
+    double on_axis = fmax(-half, fmin(half, along + t * rate));
+    out->depth = t;
+    for (int k = 0; k < 3; k++) {
+        out->pos[k] = r->origin[k] + t * r->direction[k];
+        out->normal[k] = (from[k] + t * r->direction[k] - on_axis * axis[k]) / radius;
+    }
+    return 1;
+}
+
+static int meet_ray(const asked *a, const oo_geom *geom, dContactGeom *out) {
+    if (dGeomGetClass(geom->id) == dCapsuleClass) return meet_capsule(a, geom->id, out);
+    return collide_pair(a->geom, geom, 1, out, sizeof *out);
+}
+
 static void try_ray(void *data, unsigned int slot) {
     asked *a = data;
     dContactGeom contact;
-    if (!wanted(a, slot) || !collide_pair(a->geom, &a->world->geoms[slot], 1, &contact, sizeof contact)) return;
+    if (!wanted(a, slot) || !meet_ray(a, &a->world->geoms[slot], &contact)) return;
     if (!usable(&contact)) return;
-    oo_hit hit = hit_of(slot, &contact, 1);
+    oo_hit hit = hit_of(slot, &contact, dot(contact.normal, a->ray->direction) > 0 ? -1 : 1);
     if (!a->nearest) {
         keep_hit(a->world, hit);
         return;
     }
     int nearer = a->nearest->slot < 0 || hit.distance < a->nearest->distance;
     if (nearer || (hit.distance == a->nearest->distance && hit.slot < a->nearest->slot)) *a->nearest = hit;
-    a->ray->length = fmin(a->ray->length, hit.distance); /* what begins farther away needs no look */
+    a->ray->length = fmin(a->ray->length, reaching(hit.distance)); /* what begins farther away needs no look */
 }
 
 static ray follow(const double *row) {
-    ray r = {.length = row[6]};
+    ray r = {.length = reaching(row[6])};
     for (int k = 0; k < 3; k++) {
         r.origin[k] = row[k];
         r.direction[k] = row[3 + k];
@@ -73,12 +130,15 @@ static ray follow(const double *row) {
 static int cast(oo_world *w, const oo_query *query, const double *rays, unsigned int count, oo_hit *out) {
     w->hit_count = 0;
     w->out_of_memory = 0;
+    volatile int begun = 0;
     if (guard_enter()) {
         lock_meshes(0);
+        if (begun) end_queries(w);
         return OO_ASSERT;
     }
     int status = begin_queries(w, count);
-    if (status == OO_OK) {
+    begun = status == OO_OK;
+    if (begun) {
         dGeomID geom = dCreateRay(0, 1);
         oo_geom ray_geom = {.id = geom, .flags = OO_IS_RAY};
         dGeomRaySetClosestHit(geom, 1);
@@ -89,7 +149,7 @@ static int cast(oo_world *w, const oo_query *query, const double *rays, unsigned
             dGeomRaySetLength(geom, row[6]);
             dGeomRaySet(geom, row[0], row[1], row[2], row[3], row[4], row[5]);
             if (out) out[i] = (oo_hit){.slot = -1};
-            asked a = {w, query, &ray_geom, ~0u, &r, out ? &out[i] : NULL};
+            asked a = {w, query, &ray_geom, ~0u, &r, row, out ? &out[i] : NULL};
             along_ray(w, &r, try_ray, &a);
         }
         lock_meshes(0);
@@ -136,13 +196,16 @@ static int by_slot(const void *a, const void *b) { return ((const oo_hit *)a)->s
 int oo_find_overlaps(oo_world *w, const oo_query *query, unsigned int slot) {
     w->hit_count = 0;
     w->out_of_memory = 0;
+    volatile int begun = 0;
     if (guard_enter()) {
         lock_meshes(0);
+        if (begun) end_queries(w);
         return OO_ASSERT;
     }
     int status = begin_queries(w, 1);
-    if (status == OO_OK) {
-        asked a = {w, query, &w->geoms[slot], slot, NULL, NULL};
+    begun = status == OO_OK;
+    if (begun) {
+        asked a = {w, query, &w->geoms[slot], slot, NULL, NULL, NULL};
         in_box_of(w, a.geom->id, try_overlap, &a);
         end_queries(w);
         if (w->out_of_memory) status = OO_NO_MEMORY;

@@ -149,6 +149,7 @@ static int by_slots(const void *a, const void *b) { return compare_pairs(a, b); 
 static void find_asked(oo_world *w) {
     for (unsigned int i = 0; i < w->touching_count; i++) {
         oo_touch *touch = &w->touching[i];
+        touch->state = OO_UNASKED;
         if (!((w->geoms[touch->slot1].flags | w->geoms[touch->slot2].flags) & OO_ASKED)) continue;
         w->asked_count++;
         int known = w->touched_count && bsearch(touch, w->touched, w->touched_count, sizeof *touch, by_slots) != NULL;
@@ -159,12 +160,14 @@ static void find_asked(oo_world *w) {
 int row_acts(const oo_world *w, const oo_contact *row) {
     const oo_geom *a = &w->geoms[row->slot1], *b = &w->geoms[row->slot2];
     int silent = row->surface == OO_REFUSED || row->surface == OO_NO_RESPONSE || (a->flags | b->flags) & OO_SENSOR;
-    return !silent && a->flags & b->flags & OO_ALIVE;
+    return !silent && a->flags & b->flags & OO_ALIVE &&
+           dGeomGetBody(a->id) != dGeomGetBody(b->id); /* they may have been put into one body since they were found */
 }
 
 /* A row counts as touching if it acts, or if it would but for a sensor. */
 static int row_touches(const oo_world *w, const oo_contact *row) {
-    return row->surface != OO_REFUSED && w->geoms[row->slot1].flags & w->geoms[row->slot2].flags & OO_ALIVE;
+    const oo_geom *a = &w->geoms[row->slot1], *b = &w->geoms[row->slot2];
+    return row->surface != OO_REFUSED && a->flags & b->flags & OO_ALIVE && dGeomGetBody(a->id) != dGeomGetBody(b->id);
 }
 
 /* What was refused, or is gone since it was asked about, does not touch. */
@@ -235,6 +238,8 @@ static int respond(oo_world *w) {
             oo_contact *row = &w->contacts[w->touching[i].first + k];
             if (row_acts(w, row)) row->feedback = (int)w->feedback_count++;
         }
+    /* ODE writes only what its solver sees: nothing where all sleeps. */
+    if (w->feedback_count) memset(w->feedback, 0, w->feedback_count * sizeof *w->feedback);
     if (guard_enter()) return OO_ASSERT;
     dContact contact;
     memset(&contact, 0, sizeof contact);
@@ -242,7 +247,6 @@ static int respond(oo_world *w) {
         oo_contact *row = &w->contacts[i];
         if (!row_acts(w, row)) continue;
         dBodyID body1 = dGeomGetBody(row->geom.g1), body2 = dGeomGetBody(row->geom.g2);
-        if (body1 == body2) continue; /* since it was asked about */
         contact.surface = w->surfaces[row->surface];
         contact.geom = row->geom;
         direct(w, row, &contact);

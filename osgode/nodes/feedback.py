@@ -8,8 +8,8 @@ import numpy as np
 
 from osgode.errors import FieldError, StateError, shown
 from osgode.materials import Surface
-from osgode.native import ffi, lib
-from osgode.nodes.touch import CONTACT_ROW, sides
+from osgode.native import lib
+from osgode.nodes.touch import CONTACT_ROW, TOUCH_ROW, Ears, c_rows
 
 if TYPE_CHECKING:
     from osgode.maths import FloatArray
@@ -24,25 +24,30 @@ class CollisionFeedback:
     It is good for as long as the listener runs.
     """
 
-    __slots__ = ("_first", "_flip", "_pair", "_realm", "geom", "other")
+    __slots__ = ("_flip", "_pair", "_realm", "begin", "geom", "other")
 
     geom: Geom
     """The listener's own geom."""
     other: Geom
     """The geom that it touches."""
+    begin: bool
+    """Whether they didn't touch in the step before, or this listener wasn't there yet."""
 
-    def __init__(self, realm: Realm, pair: Any, geom: Geom, other: Geom, *, flip: bool) -> None:
+    def __init__(  # noqa: PLR0917
+        self,
+        realm: Realm,
+        pair: tuple[int, int, int, int, int, float],
+        geom: Geom,
+        other: Geom,
+        flip: bool,
+        begin: bool,
+    ) -> None:
         self._realm: Realm | None = realm
         self._pair = pair
-        self._first = realm.ptr.contacts + pair.first
         self._flip = flip
         self.geom = geom
         self.other = other
-
-    @property
-    def begin(self) -> bool:
-        """Whether they didn't touch in the step before."""
-        return bool(self._pair.state == lib.OO_BEGIN)
+        self.begin = begin
 
     @property
     def body(self) -> Body | None:
@@ -55,11 +60,15 @@ class CollisionFeedback:
         return self.other.body
 
     @property
-    def _rows(self) -> np.ndarray[Any, np.dtype[Any]]:
+    def _first(self) -> Any:
+        """The first of the rows in C."""
         if self._realm is None:
             raise StateError("a CollisionFeedback is good for as long as its listener runs; keep what you need of it")
-        raw = ffi.buffer(self._first, self._pair.count * CONTACT_ROW.itemsize)
-        return np.frombuffer(bytearray(raw), CONTACT_ROW)
+        return self._realm.ptr.contacts + self._pair[2]
+
+    @property
+    def _rows(self) -> np.ndarray[Any, np.dtype[Any]]:
+        return c_rows(self._first, self._pair[3], CONTACT_ROW).copy()
 
     @property
     def points(self) -> FloatArray:
@@ -70,7 +79,7 @@ class CollisionFeedback:
     def normals(self) -> FloatArray:
         """Unit vectors at these points, out of ``other`` towards ``geom``, (n, 3)."""
         rows = self._rows
-        own = self._pair.slot2 if self._flip else self._pair.slot1
+        own = self._pair[1] if self._flip else self._pair[0]
         return cast("FloatArray", rows["geom"]["normal"][:, :3] * np.where(rows["slot1"] == own, 1.0, -1.0)[:, None])
 
     @property
@@ -109,41 +118,38 @@ class CollisionFeedback:
             raise FieldError(f"CollisionFeedback.set_surface(): {shown(surface)} is no Surface")
         if surface.direction is not None:
             raise FieldError("CollisionFeedback.set_surface(): a Surface with a direction must be a geom's own")
-        realm = self._realm
-        if realm is not None and not self.refused:
-            self._set_surface(realm.lend_surface(surface.row(realm.ptr.step_size)))
+        if not self.refused:
+            self._set_surface(cast("Realm", self._realm).lend_surface(surface))
 
     def _set_surface(self, index: int) -> None:
-        if self._realm is None:
-            raise StateError("a CollisionFeedback is good for as long as its listener runs")
-        for i in range(self._pair.count):
-            self._first[i].surface = index
+        first = self._first
+        for i in range(self._pair[3]):
+            first[i].surface = index
 
 
-def ask(realm: Realm) -> list[Exception]:
+def ask(realm: Realm, ears: Ears) -> list[Exception]:
     """Call the listeners of what is about to collide; all are heard, and their errors returned."""
     errors: list[Exception] = []
-    for pair in _asked(realm):
-        geoms: Any = (realm.node_of_slot(pair.slot1), realm.node_of_slot(pair.slot2))
-        if None in geoms:
+    ptr, nodes = realm.ptr, realm.nodes_by_slot
+    removals = realm.removals
+    for pair in c_rows(ptr.touching, ptr.touching_count, TOUCH_ROW).tolist():
+        slot1, slot2, state = pair[0], pair[1], pair[4]
+        if state == lib.OO_UNASKED:
             continue
-        for side, _, listeners in list(sides(geoms, "_collide_listeners")):
-            for listener in listeners:
-                slots = realm.ptr.geoms[pair.slot1], realm.ptr.geoms[pair.slot2]
-                if not slots[0].flags & slots[1].flags & lib.OO_ALIVE:
-                    break  # another listener has taken one of them away
-                feedback = CollisionFeedback(realm, pair, geoms[side], geoms[1 - side], flip=side == 1)
-                try:
-                    listener(feedback)
-                except Exception as error:  # noqa: BLE001 - every listener is heard before the errors are raised
-                    error.add_note(f"raised by a collide listener of {geoms[side].describe()}")
-                    errors.append(error)
-                finally:
-                    feedback._realm = None
+        ears1, ears2 = ears.now.get(slot1, ()), ears.now.get(slot2, ())
+        geom1, geom2 = nodes[slot1](), nodes[slot2]()
+        told = [(geom1, geom2, False, ear) for ear in ears1]
+        told += [(geom2, geom1, True, ear) for ear in ears2 if ear not in ears1]
+        for own, other, flip, ear in told:
+            if realm.removals != removals and not ptr.geoms[slot1].flags & ptr.geoms[slot2].flags & lib.OO_ALIVE:
+                break  # another listener has taken one of them away
+            begin = state == lib.OO_BEGIN or not ears.knew(ear, slot1, slot2)
+            feedback = CollisionFeedback(realm, pair, own, other, flip, begin)
+            try:
+                ear[1](feedback)
+            except Exception as error:  # noqa: BLE001 - every listener is heard before the errors are raised
+                error.add_note(f"raised by a collide listener of {feedback.geom.describe()}")
+                errors.append(error)
+            finally:
+                feedback._realm = None
     return errors
-
-
-def _asked(realm: Realm) -> list[Any]:
-    touching, geoms = realm.ptr.touching, realm.ptr.geoms
-    pairs = [touching[i] for i in range(realm.ptr.touching_count)]
-    return [pair for pair in pairs if (geoms[pair.slot1].flags | geoms[pair.slot2].flags) & lib.OO_ASKED]

@@ -122,7 +122,7 @@ class Geom(Listening):
     sensor = FlagField(
         False,
         FLAG,
-        after="_mark_listened",
+        after="_sensed",
         doc="Whether it only reports what touches it, and pushes nothing.",
     )
     mass: Field[float | None, float | None] = Field(
@@ -266,33 +266,43 @@ class Geom(Listening):
     def touching(self) -> tuple[Geom, ...]:
         """The geoms that it touched in the last step.
 
+        What sleeps is looked at only where a sensor or a listener is, so two sleepers that touch may not be named.
+
         Raises:
             StateError: outside of a World.
         """
         realm = self._live("touching")
-        rows = contact_rows(realm, 0, realm.ptr.contact_count)
+        rows = contact_rows(realm)
         rows = rows[rows["surface"] != lib.OO_REFUSED]
         others = np.concatenate(
             [rows["slot2"][rows["slot1"] == self._slot], rows["slot1"][rows["slot2"] == self._slot]]
         )
-        return tuple(geom for slot in np.unique(others) if isinstance(geom := realm.node_of_slot(int(slot)), Geom))
+        geoms = (realm.node_of_slot(int(slot)) for slot in np.unique(others))
+        return tuple(geom for geom in geoms if isinstance(geom, Geom) and geom.is_live)
 
     def _mark_listened(self) -> None:
         if self._realm is None:
             return
-        row = self._realm.ptr.geoms[self._slot]
         above = listening_above(self)
-        for name, flag in (("_touch_listeners", lib.OO_LISTENED), ("_collide_listeners", lib.OO_ASKED)):
-            if any(getattr(node, name) for node in above):
-                row.flags |= flag
-            else:
-                row.flags &= ~flag
-        if self.sensor:
-            row.flags |= lib.OO_SENSOR
-        else:
-            row.flags &= ~lib.OO_SENSOR
+        touch = tuple((node, listener) for node in above for listener in node._touch_listeners)
+        collide = tuple((node, listener) for node in above for listener in node._collide_listeners)
+        self._flag(lib.OO_LISTENED, on=bool(touch))
+        self._flag(lib.OO_ASKED, on=bool(collide))
+        if (world := self.world) is not None:
+            world._touch_ears.set(self._slot, touch)
+            world._collide_ears.set(self._slot, collide)
+
+    def _flag(self, flag: int, *, on: bool) -> None:
+        if self._realm is not None:
+            row = self._realm.ptr.geoms[self._slot]
+            row.flags = row.flags | flag if on else row.flags & ~flag
 
     # -- after changes
+
+    def _sensed(self) -> None:
+        if self._realm is not None:
+            self._flag(lib.OO_SENSOR, on=self.sensor)
+            lib.oo_wake_touching(self._realm.ptr, self._slot)
 
     def _marked(self) -> None:
         if self._realm is not None:
@@ -333,7 +343,12 @@ class Geom(Listening):
         if row.surface:
             self._realm.give_surface(row.surface)
             row.surface = 0
-        if self.surface is not None:
+        self._take_surface()
+        lib.oo_wake_touching(self._realm.ptr, self._slot)
+
+    def _take_surface(self) -> None:
+        if self._realm is not None and self.surface is not None:
+            row = self._realm.ptr.geoms[self._slot]
             own = self.surface.row(self._realm.ptr.step_size)
             row.surface = self._realm.take_surface(own, self.surface.direction or ZERO)
 
@@ -377,8 +392,10 @@ class Geom(Listening):
         self._place()
         self._enter_fields()
         self._marked()
-        self._resurfaced()
-        self._belted()
+        self._flag(lib.OO_SENSOR, on=self.sensor)
+        self._take_surface()
+        if self.surface_velocity != ZERO:
+            self._belted()
         self._mark_listened()
 
     def _leave(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from abc import abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,10 +17,10 @@ from osgode.materials import KINDS, collide_bits
 from osgode.maths import IDENTITY, ZERO, FloatArray, Vec3, Vec3Like
 from osgode.native import checked, ffi, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes
+from osgode.nodes.hit import Hit
 
 if TYPE_CHECKING:
     from osgode.maths import QuatLike
-    from osgode.nodes.body import Body
     from osgode.nodes.geom import Geom
     from osgode.nodes.realm import Realm
 
@@ -30,28 +31,6 @@ HIT_ROW = row_dtype("oo_hit")
 Kinds = str | Iterable[str] | None
 
 
-@dataclass(frozen=True, slots=True)
-class Hit:
-    """Where a ray met a geom, or a shape overlaps one.
-
-    Args:
-        geom: which.
-        point: of the world, metres.
-        normal: unit vector out of the geom.
-        distance: from the ray's origin, metres; of an overlap its depth.
-    """
-
-    geom: Geom
-    point: Vec3
-    normal: Vec3
-    distance: float
-
-    @property
-    def body(self) -> Body | None:
-        """The body that the geom is a part of, None for static geometry."""
-        return self.geom.body
-
-
 @dataclass(frozen=True)
 class RayHits:
     """What many rays hit: tables with a row for each ray.
@@ -60,7 +39,7 @@ class RayHits:
         hit: (n,) whether it hit anything.
         distance: (n,) metres, infinite where nothing was hit.
         point: (n, 3) metres, NaN where nothing was hit.
-        normal: (n, 3) unit vectors out of the geom, NaN where nothing was hit.
+        normal: (n, 3) unit vectors against the rays, NaN where nothing was hit.
         slot: (n,) the geom's slot, see `World.geom_of_slot`; -1 where nothing was hit.
     """
 
@@ -69,16 +48,19 @@ class RayHits:
     point: FloatArray
     normal: FloatArray
     slot: npt.NDArray[np.int32]
-    _realm: Realm
+    _nodes: list[weakref.ref[PhysicsNode] | None]
 
     def __len__(self) -> int:
         return len(self.hit)
 
     @property
     def geoms(self) -> list[Geom | None]:
-        """The geom that each ray hit, None where there is none (or it is gone)."""
-        found = {int(slot): self._realm.node_of_slot(int(slot)) for slot in np.unique(self.slot)}
-        return [cast("Geom | None", found[int(slot)]) for slot in self.slot]
+        """The geom that each ray hit, None where there is none (or it is freed)."""
+        found: dict[int, Any] = {-1: None}
+        for slot in np.unique(self.slot[self.hit]).tolist():
+            ref = self._nodes[slot]
+            found[slot] = None if ref is None else ref()
+        return [found[slot] for slot in self.slot.tolist()]
 
 
 class Queries(PhysicsNode):
@@ -102,7 +84,8 @@ class Queries(PhysicsNode):
     ) -> Hit | None:
         """The first geom that a ray meets, or None.
 
-        A ray that begins inside a solid meets the far side of it; meshes are met from both sides.
+        A ray that begins inside a solid meets the far side of it; meshes are met from both sides. The normal points
+        against the ray. Sensors are met like all others.
 
         Args:
             origin: a point of the world, metres.
@@ -184,7 +167,7 @@ class Queries(PhysicsNode):
             np.where(nothing, np.nan, out["point"]),
             np.where(nothing, np.nan, out["normal"]),
             out["slot"].copy(),
-            realm,
+            list(realm._geoms),
         )
 
     def overlaps(
@@ -199,7 +182,8 @@ class Queries(PhysicsNode):
         """What a shape would overlap if it stood somewhere: a Hit at the deepest point of each, in no special order.
 
         ``normal`` points from the other geom towards the shape: moved along it by ``distance`` (the depth) the shape is
-        about free. Surfaces without an inside (meshes) are overlapped where their triangles are.
+        about free. A mesh is a surface: what has its middle behind the triangles may be missed; so may, rarely, a
+        cylinder deep in a box.
 
         Args:
             shape: a geom that is in no World; it isn't changed.
@@ -210,6 +194,7 @@ class Queries(PhysicsNode):
 
         Raises:
             TreeError: if the shape is no geom, or is in a World.
+            FieldError: for a bad place; a Plane has none but its own.
         """
         from osgode.nodes.geom import Geom
 
@@ -219,6 +204,8 @@ class Queries(PhysicsNode):
             raise TreeError(f"{name}: shape is {shown(shape)}; it must be a geom that is in no World")
         point = vector(POSITION_LIMIT)(name, "position", position)
         turn = ROTATION(name, "rotation", rotation)
+        if not shape.PLACED and (point != ZERO or turn != IDENTITY):
+            raise FieldError(f"{name}: {shape.describe()} can't be placed; leave position and rotation away")
         query, _keep = self._query(realm, "overlaps", kinds, exclude)
         with realm.editing():
             with shape._visiting(realm, point, turn) as slot:
@@ -261,7 +248,10 @@ class Queries(PhysicsNode):
         name = f"{self.describe()}.{call}()"
         bits = collide_bits(KINDS(name, "kinds", kinds))
         slots: set[int] = set()
-        for node in (exclude,) if isinstance(exclude, PhysicsNode) else exclude:
+        nodes = (exclude,) if isinstance(exclude, PhysicsNode) else exclude
+        if not isinstance(nodes, Iterable):
+            raise TreeError(f"{name}: exclude is {shown(exclude)}; it must be a list of bodies, geoms or spaces")
+        for node in nodes:
             if not isinstance(node, PhysicsNode):
                 raise TreeError(f"{name}: exclude has {shown(node)}; it must be a list of bodies, geoms or spaces")
             slots |= {each._slot for each in physics_nodes(node) if each._realm is realm and hasattr(each, "_slot")}
@@ -272,4 +262,4 @@ class Queries(PhysicsNode):
 
 def _hit(realm: Realm, row: Any) -> Hit:
     geom = cast("Geom", realm.node_of_slot(row.slot))
-    return Hit(geom, Vec3(*row.point), Vec3(*row.normal), row.distance)
+    return Hit(Vec3(*row.point), Vec3(*row.normal), row.distance, geom, geom.body)

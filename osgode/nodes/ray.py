@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -15,11 +14,11 @@ from osgode.graph.shapes import ray_drawable
 from osgode.maths import Pose, Quat, Vec3
 from osgode.native import lib
 from osgode.nodes.geom import Geom, GeomFields
+from osgode.nodes.hit import Hit
 from osgode.nodes.touch import contact_rows
 
 if TYPE_CHECKING:
     from osgode.mass import Mass
-    from osgode.nodes.body import Body
     from osgode.nodes.realm import Realm
 
 BACKWARDS = Pose(rotation=Quat(0.0, 0.0, 1.0, 0.0))
@@ -29,25 +28,6 @@ LONGEST = 1e6
 LOOK = Appearance((1.0, 0.15, 0.1, 1.0), shininess=0.0, unlit=True)
 REPORTS = {"closest": (False, True), "any": (True, False), "all": (False, False)}
 """ODE's flags "first contact" and "closest hit"."""
-
-
-@dataclass(frozen=True, slots=True)
-class Hit:
-    """Where a ray met a geom in the last step.
-
-    Args:
-        point: in the world, metres.
-        normal: of the surface there, of length 1, towards the side that the ray came from.
-        distance: from the ray's origin, metres.
-        geom: what was hit.
-        body: that it is a part of, None for static geometry.
-    """
-
-    point: Vec3
-    normal: Vec3
-    distance: float
-    geom: Geom
-    body: Body | None
 
 
 def _read_reports(ray: Any) -> str:
@@ -183,7 +163,7 @@ class Ray(Geom):
 def _rows_of_rays(realm: Realm) -> dict[int, Any]:
     """The last step's contact rows of each ray by its slot, the nearest first; sorted once a step for all rays."""
     if realm.ray_hits is None:
-        rows = contact_rows(realm, 0, realm.ptr.contact_count)
+        rows = contact_rows(realm)
         rows = rows[rows["surface"] == lib.OO_NO_RESPONSE]
         rows = rows[np.lexsort((rows["geom"]["depth"], rows["slot1"]))]
         slots, starts = np.unique(rows["slot1"], return_index=True)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from osgode.joints.base import Joint
+    from osgode.materials import Surface
     from osgode.nodes.base import PhysicsNode
     from osgode.nodes.body import Body
     from osgode.nodes.world import World
@@ -53,7 +54,8 @@ class Realm:
         self._shared: dict[tuple[int, int], tuple[Any, object, int]] = {}
         self.ray_hits: dict[int, Any] | None = None
         self._own_surfaces: list[int] = []
-        self._lent: list[int] = []
+        self._lent: dict[Surface, int] = {}
+        self.removals = 0  # of geoms and spaces, since the beginning
         self.poses: FloatArray = np.zeros((0, POSE_WIDTH))
         self.previous: FloatArray = np.zeros((0, POSE_WIDTH))
         self._grow_tables(16)
@@ -163,13 +165,21 @@ class Realm:
         ref = self._geoms[slot] if 0 <= slot < len(self._geoms) else None
         return None if ref is None else ref()
 
+    @property
+    def nodes_by_slot(self) -> list[Any]:
+        """Weak references to the geoms and spaces that have or last had each slot; those that a touch names exist."""
+        return self._geoms
+
     def remove_slot(self, slot: int) -> None:
         """Free a native geom or space. The next step may still report that it is no longer touched."""
         is_space = self.ptr.geoms[slot].flags & lib.OO_IS_SPACE
         lib.oo_geom_free(self.ptr, slot)
+        self.removals += 1
         world = None if self.world_ref is None else self.world_ref()
         if world is not None and not is_space:
             world._retired.append((slot, self.node_of_slot(slot)))
+            world._touch_ears.set(slot, ())
+            world._collide_ears.set(slot, ())
 
     def forget_slot(self, slot: int) -> None:
         """No longer know which node had a slot, unless it has been given to another."""
@@ -210,15 +220,15 @@ class Realm:
         """Give that place back."""
         self._own_surfaces.append(index)
 
-    def lend_surface(self, row: Any) -> int:
+    def lend_surface(self, surface: Surface) -> int:
         """The same until the end of the step."""
-        index = self.take_surface(row)
-        self._lent.append(index)
-        return index
+        if surface not in self._lent:
+            self._lent[surface] = self.take_surface(surface.row(self.ptr.step_size))
+        return self._lent[surface]
 
     def take_back_surfaces(self) -> None:
         """At the end of the step."""
-        self._own_surfaces += self._lent
+        self._own_surfaces += self._lent.values()
         self._lent.clear()
 
     # -- the end

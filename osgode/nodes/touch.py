@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from osgode.errors import FieldError, OsgodeError, shown
+from osgode.errors import FieldError, shown
 from osgode.native import ffi, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes
-from osgode.nodes.listeners import tell
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from osgode.maths import FloatArray
     from osgode.nodes.body import Body
@@ -21,28 +19,40 @@ if TYPE_CHECKING:
     from osgode.nodes.geom import Geom
     from osgode.nodes.realm import Realm
 
+    Ear = tuple["Listening", Callable[[Any], object]]
+
 CONTACT_ROW = row_dtype("oo_contact")
+TOUCH_ROW = row_dtype("oo_touch")
+STATES = ("begin", "stay", "end")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
 class Touch:
-    """Two geoms that began, go on, or ended touching in the step that was just done.
+    """Two geoms that began, go on, or ended touching in the step that was just done."""
 
-    Args:
-        geom: the listener's own geom.
-        other: the geom that it touches.
-        state: "begin", "stay" or "end".
-        impulse: sum of the sizes of the contact forces times the step size, N s; 0 at the end.
-    """
+    # No dataclass: thousands are made in a step where everybody listens, and a frozen one takes four times as long.
+    __slots__ = ("_rows", "_slot", "geom", "impulse", "other", "state")
 
     geom: Geom
+    """The listener's own geom."""
     other: Geom
+    """The geom that it touches."""
     state: str
+    """"begin", "stay" or "end"."""
     impulse: float
-    _slot: int = field(repr=False)
-    _rows: bytes = field(repr=False)  # as C wrote them: numpy is slow for so little, and few listeners ask
+    """Sum of the sizes of the contact forces times the step size, N s; 0 at the end."""
 
-    STATES: ClassVar[dict[int, str]] = {lib.OO_BEGIN: "begin", lib.OO_STAY: "stay", lib.OO_END: "end"}
+    def __init__(  # noqa: PLR0917
+        self, geom: Geom, other: Geom, state: str, impulse: float, slot: int, rows: bytes
+    ) -> None:
+        self.geom = geom
+        self.other = other
+        self.state = state
+        self.impulse = impulse
+        self._slot = slot
+        self._rows = rows  # as C wrote them: numpy is slow for so little, and few listeners ask
+
+    def __repr__(self) -> str:
+        return f"Touch({self.geom!r}, {self.other!r}, {self.state!r}, impulse={self.impulse!r})"
 
     @property
     def begin(self) -> bool:
@@ -78,7 +88,7 @@ class Touch:
 
     @property
     def _contacts(self) -> np.ndarray[Any, np.dtype[Any]]:
-        return _as_rows(self._rows)
+        return np.frombuffer(bytearray(self._rows), CONTACT_ROW) if self._rows else np.empty(0, CONTACT_ROW)
 
     @property
     def body(self) -> Body | None:
@@ -91,6 +101,65 @@ class Touch:
         return self.other.body
 
 
+class Ears:
+    """Who is to be told of each geom, by slot: as it is now, and as it was in the last step.
+
+    Both are one dict until something changes. It belongs to the World, since it holds on to nodes and listeners: geoms
+    must not, nor the Realm.
+    """
+
+    __slots__ = ("now", "then")
+
+    def __init__(self) -> None:
+        self.now: dict[int, tuple[Ear, ...]] = {}
+        self.then = self.now
+
+    def set(self, slot: int, ears: tuple[Ear, ...]) -> None:
+        """Note who listens to the geom of a slot."""
+        if ears == self.now.get(slot, ()):
+            return
+        if self.now is self.then:
+            self.now = dict(self.now)
+        if ears:
+            self.now[slot] = ears
+        else:
+            del self.now[slot]
+
+    def knew(self, ear: Ear, slot1: int, slot2: int) -> bool:
+        """Whether somebody listened to one of two geoms in the last step already."""
+        then = self.then
+        return self.now is then or ear in then.get(slot1, ()) or ear in then.get(slot2, ())
+
+    def settle(self) -> None:
+        """A step is done: those who listen now have heard of it."""
+        self.then = self.now
+
+    def calls(self, slots: tuple[int, int], state: int) -> list[tuple[int, Ear, int]]:
+        """Whom to tell of two geoms, where something has changed: which of them is his, who, and the state for him.
+
+        Who wasn't told of them in the last step hears that they begin; who was, and has no part in them any more,
+        that they have ended.
+        """
+        now = [(side, ear) for side in (0, 1) for ear in self.now.get(slots[side], ())]
+        then = [(side, ear) for side in (0, 1) for ear in self.then.get(slots[side], ())]
+        was, still = [ear for _, ear in then], [ear for _, ear in now]
+        told: list[Ear] = []
+        out: list[tuple[int, Ear, int]] = []
+        for side, ear in now + then:
+            node, listener = ear
+            if ear in told:
+                continue
+            told.append(ear)
+            if ear not in still:
+                if state != lib.OO_BEGIN and listener in node._touch_listeners:
+                    out.append((side, ear, lib.OO_END))
+            elif ear in was:
+                out.append((side, ear, state))
+            elif state != lib.OO_END:
+                out.append((side, ear, lib.OO_BEGIN))
+        return out
+
+
 class Listening(PhysicsNode):
     """A node whose collisions can be listened to: a geom its own, all others those of the geoms below them."""
 
@@ -100,10 +169,12 @@ class Listening(PhysicsNode):
     def on_touch(self, listener: Callable[[Touch], object]) -> Callable[[Touch], object]:
         """Have ``listener`` called after each step in which a geom here touches, or ceases to touch, another.
 
-        Usable as a decorator. It may change anything, the geoms included. Two geoms below the same node are told once.
+        Usable as a decorator. It may change anything, the geoms included. What touches already begins for it; what is
+        taken away from here ends for it. Two geoms below the same node are told once; so is a listener that is
+        registered twice.
         """
         with self._changing("on_touch"):
-            self._touch_listeners = (*self._touch_listeners, self._checked("on_touch", listener))
+            self._touch_listeners = _with(self._touch_listeners, self._checked("on_touch", listener))
             self._mark_listened()
         return listener
 
@@ -125,7 +196,7 @@ class Listening(PhysicsNode):
         decorator. Two geoms below the same node are told once.
         """
         with self._changing("on_collide"):
-            self._collide_listeners = (*self._collide_listeners, self._checked("on_collide", listener))
+            self._collide_listeners = _with(self._collide_listeners, self._checked("on_collide", listener))
             self._mark_listened()
         return listener
 
@@ -153,6 +224,10 @@ class Listening(PhysicsNode):
     """Whether it is a geom."""
 
 
+def _with(listeners: tuple[Any, ...], new: object) -> tuple[Any, ...]:
+    return listeners if new in listeners else (*listeners, new)
+
+
 def _without(listeners: tuple[Any, ...], gone: object) -> tuple[Any, ...]:
     left = list(listeners)
     left.remove(gone)
@@ -164,48 +239,57 @@ def listening_above(node: PhysicsNode) -> list[Listening]:
     return [each for each in (node, *node.ancestors) if isinstance(each, Listening)]
 
 
-def contact_rows(realm: Realm, first: int, count: int) -> np.ndarray[Any, np.dtype[Any]]:
-    """A copy of some of the last step's contact rows."""
-    return _as_rows(bytearray(_raw_rows(realm, first, count)))
+def contact_rows(realm: Realm) -> np.ndarray[Any, np.dtype[Any]]:
+    """The last step's contact rows, as they lie in C: good until the next step."""
+    return c_rows(realm.ptr.contacts, realm.ptr.contact_count, CONTACT_ROW)
 
 
-def _raw_rows(realm: Realm, first: int, count: int) -> Any:
-    return ffi.buffer(realm.ptr.contacts + first, count * CONTACT_ROW.itemsize)
+def c_rows(first: Any, count: int, kind: np.dtype[Any]) -> np.ndarray[Any, np.dtype[Any]]:
+    """Rows of a table in C."""
+    return np.frombuffer(ffi.buffer(first, count * kind.itemsize), kind) if count else np.empty(0, kind)
 
 
-def _as_rows(raw: bytes | bytearray) -> np.ndarray[Any, np.dtype[Any]]:
-    return np.frombuffer(raw, CONTACT_ROW) if raw else np.empty(0, CONTACT_ROW)
+def tell_touches(realm: Realm, ears: Ears) -> list[Exception]:
+    """Call the listeners of what touched in the last step; all are told, and their errors returned."""
+    errors: list[Exception] = []
+    for listener, touch in _calls(realm, ears):
+        try:
+            listener(touch)
+        except Exception as error:  # noqa: BLE001 - every listener is heard before the errors are raised
+            error.add_note(f"raised by a touch listener of {touch.geom.describe()} ({touch.state})")
+            errors.append(error)
+    return errors
 
 
-def tell_touches(realm: Realm) -> None:
-    """Call the listeners of what touched in the last step.
-
-    All are told even if one raises; the error is raised afterwards (several in an ExceptionGroup), with a
-    note that names the node.
-    """
-    events = ffi.unpack(realm.ptr.events, realm.ptr.event_count)
-    calls = (pair for event in events for pair in _calls(realm, event))
-    tell(calls, "touch", lambda touch: f"{touch.geom.describe()} ({touch.state})")
-
-
-def _calls(realm: Realm, event: Any) -> Iterator[tuple[Callable[[Touch], object], Touch]]:
-    geoms: Any = (realm.node_of_slot(event.slot1), realm.node_of_slot(event.slot2))
-    if None in geoms:
-        raise OsgodeError(f"a touch names slots {event.slot1} and {event.slot2}, which no geom has: a fault in osgode")
-    rows = bytes(_raw_rows(realm, event.first, event.count))
-    for side, _, listeners in sides(geoms, "_touch_listeners"):
-        own = event.slot1 if side == 0 else event.slot2
-        touch = Touch(geoms[side], geoms[1 - side], Touch.STATES[event.state], event.impulse, own, rows)
-        for listener in listeners:
-            yield listener, touch
-
-
-def sides(geoms: Any, name: str) -> Iterator[tuple[int, PhysicsNode, tuple[Any, ...]]]:
-    """Who is to be told of a pair: which of the geoms is his, he, and his listeners; nobody twice."""
-    told: set[int] = set()
-    for side in (0, 1):
-        for node in listening_above(geoms[side]):
-            listeners = getattr(node, name)
-            if listeners and id(node) not in told:
-                told.add(id(node))
-                yield side, node, listeners
+def _calls(realm: Realm, ears: Ears) -> list[tuple[Callable[[Touch], object], Touch]]:
+    """Who is to be called with what. A loop that is run thousands of times in a step, so it is all in one place."""
+    calls: list[tuple[Callable[[Touch], object], Touch]] = []
+    now, then, size, nodes = ears.now, ears.then, CONTACT_ROW.itemsize, realm.nodes_by_slot
+    changed = now is not then
+    count = realm.ptr.contact_count
+    raw = ffi.buffer(realm.ptr.contacts, count * size) if count else b""
+    events = c_rows(realm.ptr.events, realm.ptr.event_count, TOUCH_ROW).tolist()
+    for slot1, slot2, first, number, state, impulse in events:
+        ears1, ears2 = now.get(slot1, ()), now.get(slot2, ())
+        odd = changed and (ears1 != then.get(slot1, ()) or ears2 != then.get(slot2, ()))
+        if not (ears1 or ears2 or odd):
+            continue
+        geom1, geom2 = nodes[slot1](), nodes[slot2]()
+        rows = raw[first * size : (first + number) * size]
+        if odd:
+            for side, (_, listener), its_state in ears.calls((slot1, slot2), state):
+                name = STATES[its_state]
+                if side:
+                    calls.append((listener, Touch(geom2, geom1, name, impulse, slot2, rows)))
+                else:
+                    calls.append((listener, Touch(geom1, geom2, name, impulse, slot1, rows)))
+            continue
+        name = STATES[state]
+        if ears1:
+            touch = Touch(geom1, geom2, name, impulse, slot1, rows)
+            calls += [(ear[1], touch) for ear in ears1]
+        if ears2:
+            touch = Touch(geom2, geom1, name, impulse, slot2, rows)
+            calls += [(ear[1], touch) for ear in ears2 if ear not in ears1]
+    ears.settle()  # before any of them is called: what they change counts from the next step on
+    return calls

@@ -17,11 +17,11 @@ from osgode.native import checked, ffi, forward_messages, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
 from osgode.nodes.feedback import ask
-from osgode.nodes.listeners import raise_all, tell_let_go
+from osgode.nodes.listeners import errors_of_let_go, raise_all
 from osgode.nodes.queries import Queries
 from osgode.nodes.realm import Realm
 from osgode.nodes.spaces import Space
-from osgode.nodes.touch import Listening, contact_rows, tell_touches
+from osgode.nodes.touch import Ears, Listening, contact_rows, tell_touches
 from osgode.nodes.worldsettings import WorldFields, WorldSettings
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ class World(Listening, Queries, WorldSettings, Group):
         self._warned = False
         self._retired: list[tuple[int, PhysicsNode | None]] = []
         self._ripe: list[tuple[int, PhysicsNode | None]] = []
+        self._touch_ears, self._collide_ears = Ears(), Ears()
         weakref.finalize(self, realm.close).atexit = False
         super().__init__(name=name, visible=visible)
         self._set_fields({field_name: field.default for field_name, field in self.FIELDS.items()})
@@ -214,31 +215,42 @@ class World(Listening, Queries, WorldSettings, Group):
                 self._ask(realm, errors)
                 continue
             realm.take_back_surfaces()
-            self._after_steps(realm, done)
+            if done:
+                self._tell(realm, errors)
             realm.broken = status == lib.OO_BROKEN
-            if status < 0 and ptr.bad_body >= 0:
-                raise self._bad_body(realm.bodies[ptr.bad_body])
             if status < 0:
-                checked(status, f"{self.describe()} step {ptr.steps + 1}")
-            raise_all("collide", errors)
+                errors.append(self._failure(realm, status))
+            raise_all("several things failed in a step", errors)
 
-    def _after_steps(self, realm: Realm, done: int) -> None:
-        """Tell the listeners of what was done."""
+    def _tell(self, realm: Realm, errors: list[Exception]) -> None:
+        """After a step: tell the listeners of touches and of joints that broke. All are heard."""
         ptr = realm.ptr
         broken = [call for joint in self._overloaded(realm) for call in joint._break()] if ptr.broken_count else []
         if ptr.too_fast_count:
             self._warn_of_fast(realm)
+        self._collide_ears.settle()
+        ears = self._touch_ears
         try:
-            if ptr.event_count and done:
-                tell_touches(realm)
-        finally:  # a listener that fails keeps nobody from hearing
-            tell_let_go(broken)
-            if done:  # else nothing was collided, and the ends of touching are still to be told
-                self._forget_retired(realm)
+            if ptr.event_count and (ears.now or ears.then):
+                errors += tell_touches(realm, ears)
+            else:
+                ears.settle()
+            errors += errors_of_let_go(broken)
+        finally:
+            self._forget_retired(realm)
+
+    def _failure(self, realm: Realm, status: int) -> PhysicsError:
+        if realm.ptr.bad_body >= 0:
+            return self._bad_body(realm.bodies[realm.ptr.bad_body])
+        try:
+            checked(status, f"{self.describe()} step {realm.ptr.steps + 1}")
+        except PhysicsError as error:
+            return error
+        raise AssertionError(status)
 
     def _ask(self, realm: Realm, errors: list[Exception]) -> None:
         try:
-            errors += ask(realm)
+            errors += ask(realm, self._collide_ears)
         except BaseException:  # a step that can't go on is as if it had not begun
             lib.oo_abandon(realm.ptr)
             raise
@@ -323,8 +335,8 @@ class World(Listening, Queries, WorldSettings, Group):
         them: there ``slot1`` is the ray's, ``depth`` is the distance, and ``surface`` is ``0x7fffffff``: no response.
         """
         realm = self._live("contacts")
-        rows = contact_rows(realm, 0, realm.ptr.contact_count)
-        return rows[rows["surface"] != lib.OO_REFUSED] if realm.ptr.asked_count else rows
+        rows = contact_rows(realm)
+        return np.compress(rows["surface"] != lib.OO_REFUSED, rows)
 
     def geom_of_slot(self, slot: int) -> PhysicsNode | None:
         """The geom that a contact row names, None if it is gone."""

@@ -425,9 +425,9 @@ for round_number in range(int(sys.argv[2])):
         else:
             if not isinstance(attempt(lambda: world.step(draw.randint(1, 3))), Exception):
                 steps += 1
-        listeners = [b._touch_listeners for b in world.walk() if isinstance(b, oo.Body)]
-        for some in listeners:
-            del some[:]
+        for body in [b for b in world.walk() if isinstance(b, oo.Body)]:
+            for listener in body._touch_listeners:
+                body.remove_on_touch(listener)
     is_consistent(world)
 print(steps, refused)
 """
