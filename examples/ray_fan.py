@@ -44,11 +44,15 @@ class RayFan(Example):
         post.attach(oo.Cylinder(0.07, HEIGHT - 0.16, appearance=look("steel", shine=0.5)))
         met, free = (oo.Cylinder(1.0, 1.0, appearance=way).drawables() for way in (BEAM, FREE))
         end = oo.Sphere(0.05, appearance=SPOT).drawables()
-        self.beams, self.spots = [], []
+        self.beams: list[oo.PositionAttitudeTransform] = []
+        self.lit: list[oo.Switch] = []
+        self.dim: list[oo.Switch] = []
+        self.spots: list[oo.PositionAttitudeTransform] = []
         for _ in range(RAYS):
             beam = self.root.attach(oo.PositionAttitudeTransform())
-            beam.attach(oo.Switch()).attach(oo.Leaf(met))
-            beam.attach(oo.Switch(on=False)).attach(oo.Leaf(free))
+            for switches, drawables in ((self.lit, met), (self.dim, free)):
+                switches.append(beam.attach(oo.Switch()))
+                switches[-1].attach(oo.Leaf(drawables))
             self.beams.append(beam)
             self.spots.append(self.root.attach(oo.PositionAttitudeTransform()))
             self.spots[-1].attach(oo.Leaf(end))
@@ -109,8 +113,7 @@ class RayFan(Example):
             length = float(hits.distance[i]) if hits.hit[i] else REACH
             beam.pose = oo.Pose(start + way * (length / 2), oo.Quat.between((0, 0, 1), way))
             beam.scale = (0.007, 0.007, length)
-            met, free = beam.children
-            met.on, free.on = bool(hits.hit[i]), not hits.hit[i]
+            self.lit[i].on, self.dim[i].on = bool(hits.hit[i]), not hits.hit[i]
             spot.visible = bool(hits.hit[i])
             spot.position = start + way * length
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from abc import abstractmethod
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
@@ -255,8 +256,8 @@ class Geom(Listening):
         if self._realm is None:
             return
         above = listening_above(self)
-        touch = tuple((node, listener) for node in above for listener in node._touch_listeners)
-        collide = tuple((node, listener) for node in above for listener in node._collide_listeners)
+        touch = tuple((weakref.ref(node), listener) for node in above for listener in node._touch_listeners)
+        collide = tuple((weakref.ref(node), listener) for node in above for listener in node._collide_listeners)
         self._flag(lib.OO_LISTENED, on=bool(touch))
         self._flag(lib.OO_ASKED, on=bool(collide))
         if (world := self.world) is not None:

@@ -1,6 +1,8 @@
 """What listeners are told before a collision is answered, what they may decide, and what they may do meanwhile."""
 
+import gc
 import threading
+import weakref
 
 import numpy as np
 import pytest
@@ -403,6 +405,25 @@ def test_a_body_that_leaves_and_comes_back_within_a_step_ends_and_begins():
     ground.space.attach(body)
     ground.world.step()
     assert sorted(ground.states()) == ["begin", "begin", "end"]
+
+
+def test_listeners_keep_no_world_alive():
+    """Dropped, it is gone at once, though it is listened to on all levels and somebody still holds the geom."""
+    ground = Ground()
+    body = ground.drop(oo.Sphere(0.5))
+    geom = body.geoms[0]
+    for node in (ground.world, ground.space, body, geom):
+        node.on_touch(lambda touch: None)
+        node.on_collide(lambda feedback: None)
+    ground.world.step(2)
+    ref = weakref.ref(ground.world)
+    gc.disable()
+    try:
+        del ground, body, node
+        assert ref() is None
+    finally:
+        gc.enable()
+    assert geom.world is None
 
 
 # -- errors
