@@ -649,3 +649,16 @@ def test_touching_needs_a_world_and_forgets_who_left():
     ground.space.detach(body)
     with pytest.raises(oo.StateError, match="touching"):
         _ = geom.touching
+
+
+@BROAD
+def test_what_sleeps_still_touches_and_presses_nothing(broad):
+    """No solver looks at it, so no force is made up from an earlier step."""
+    ground = Ground(auto_disable=True, broad_phase=broad)
+    body = ground.drop(oo.Box((1, 1, 1), mass=2))
+    body.on_touch(ground.hear)
+    ground.world.run(3)
+    assert not body.enabled
+    ground.heard.clear()
+    ground.world.step(2)
+    assert [(touch.state, touch.impulse) for touch in ground.heard] == [("stay", 0), ("stay", 0)]
