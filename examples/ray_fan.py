@@ -44,13 +44,16 @@ class RayFan(Example):
         post.attach(oo.Cylinder(0.07, HEIGHT - 0.16, appearance=look("steel", shine=0.5)))
         met, free = (oo.Cylinder(1.0, 1.0, appearance=way).drawables() for way in (BEAM, FREE))
         end = oo.Sphere(0.05, appearance=SPOT).drawables()
-        self.beams, self.spots = [], []
+        self.beams: list[oo.PositionAttitudeTransform] = []
+        self.lit: list[oo.Switch] = []
+        self.dim: list[oo.Switch] = []
+        self.spots: list[oo.PositionAttitudeTransform] = []
         for _ in range(RAYS):
             beam = self.root.attach(oo.PositionAttitudeTransform())
-            ways = beam.attach(oo.Switch()), beam.attach(oo.Switch(on=False))
-            ways[0].attach(oo.Leaf(met))
-            ways[1].attach(oo.Leaf(free))
-            self.beams.append((beam, *ways))
+            for switches, drawables in ((self.lit, met), (self.dim, free)):
+                switches.append(beam.attach(oo.Switch()))
+                switches[-1].attach(oo.Leaf(drawables))
+            self.beams.append(beam)
             self.spots.append(self.root.attach(oo.PositionAttitudeTransform()))
             self.spots[-1].attach(oo.Leaf(end))
         self.seen: set[oo.Geom] = set()
@@ -105,12 +108,12 @@ class RayFan(Example):
         super().update()
         hits = self.scan()
         start = self.lidar.position
-        for i, ((beam, met, free), spot) in enumerate(zip(self.beams, self.spots, strict=True)):
+        for i, (beam, spot) in enumerate(zip(self.beams, self.spots, strict=True)):
             way = oo.Vec3(*self.ways[i].tolist())
             length = float(hits.distance[i]) if hits.hit[i] else REACH
             beam.pose = oo.Pose(start + way * (length / 2), oo.Quat.between((0, 0, 1), way))
             beam.scale = (0.007, 0.007, length)
-            met.on, free.on = bool(hits.hit[i]), not hits.hit[i]
+            self.lit[i].on, self.dim[i].on = bool(hits.hit[i]), not hits.hit[i]
             spot.visible = bool(hits.hit[i])
             spot.position = start + way * length
 

@@ -107,7 +107,7 @@ void oo_geom_discard(oo_world *w, unsigned int slot) {
 void oo_wake_touching(oo_world *w, unsigned int slot) {
     for (unsigned int i = 0; i < w->contact_count; i++) {
         const oo_contact *row = &w->contacts[i];
-        if ((row->slot1 != slot && row->slot2 != slot) || row->surface == OO_NO_RESPONSE) continue;
+        if ((row->slot1 != slot && row->slot2 != slot) || !row_acts(w, row)) continue;
         const oo_geom *other = &w->geoms[row->slot1 == slot ? row->slot2 : row->slot1];
         dBodyID body = other->flags & OO_ALIVE ? dGeomGetBody(other->id) : NULL;
         if (body) dBodyEnable(body);

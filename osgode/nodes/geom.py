@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from abc import abstractmethod
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
@@ -284,8 +285,8 @@ class Geom(Listening):
         if self._realm is None:
             return
         above = listening_above(self)
-        touch = tuple((node, listener) for node in above for listener in node._touch_listeners)
-        collide = tuple((node, listener) for node in above for listener in node._collide_listeners)
+        touch = tuple((weakref.ref(node), listener) for node in above for listener in node._touch_listeners)
+        collide = tuple((weakref.ref(node), listener) for node in above for listener in node._collide_listeners)
         self._flag(lib.OO_LISTENED, on=bool(touch))
         self._flag(lib.OO_ASKED, on=bool(collide))
         if (world := self.world) is not None:
@@ -301,8 +302,9 @@ class Geom(Listening):
 
     def _sensed(self) -> None:
         if self._realm is not None:
+            lib.oo_wake_touching(self._realm.ptr, self._slot)  # what a solid thing bears, it bears no longer
             self._flag(lib.OO_SENSOR, on=self.sensor)
-            lib.oo_wake_touching(self._realm.ptr, self._slot)
+            lib.oo_wake_touching(self._realm.ptr, self._slot)  # what is in a thing that becomes solid is in its way
 
     def _marked(self) -> None:
         if self._realm is not None:

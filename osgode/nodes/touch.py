@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from osgode.nodes.geom import Geom
     from osgode.nodes.realm import Realm
 
-    Ear = tuple["Listening", Callable[[Any], object]]
+    Ear = tuple[weakref.ref["Listening"], Callable[[Any], object]]
 
 CONTACT_ROW = row_dtype("oo_contact")
 TOUCH_ROW = row_dtype("oo_touch")
@@ -104,8 +105,8 @@ class Touch:
 class Ears:
     """Who is to be told of each geom, by slot: as it is now, and as it was in the last step.
 
-    Both are one dict until something changes. It belongs to the World, since it holds on to nodes and listeners: geoms
-    must not, nor the Realm.
+    Both are one dict until something changes. It belongs to the World, since it holds on to listeners: geoms must not,
+    nor the Realm. Nodes are referred to weakly, for the World is one.
     """
 
     __slots__ = ("now", "then")
@@ -151,7 +152,7 @@ class Ears:
                 continue
             told.append(ear)
             if ear not in still:
-                if state != lib.OO_BEGIN and listener in node._touch_listeners:
+                if state != lib.OO_BEGIN and (who := node()) is not None and listener in who._touch_listeners:
                     out.append((side, ear, lib.OO_END))
             elif ear in was:
                 out.append((side, ear, state))

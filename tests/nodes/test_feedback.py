@@ -1,6 +1,8 @@
 """What listeners are told before a collision is answered, what they may decide, and what they may do meanwhile."""
 
+import gc
 import threading
+import weakref
 
 import numpy as np
 import pytest
@@ -405,6 +407,25 @@ def test_a_body_that_leaves_and_comes_back_within_a_step_ends_and_begins():
     assert sorted(ground.states()) == ["begin", "begin", "end"]
 
 
+def test_listeners_keep_no_world_alive():
+    """Dropped, it is gone at once, though it is listened to on all levels and somebody still holds the geom."""
+    ground = Ground()
+    body = ground.drop(oo.Sphere(0.5))
+    geom = body.geoms[0]
+    for node in (ground.world, ground.space, body, geom):
+        node.on_touch(lambda touch: None)
+        node.on_collide(lambda feedback: None)
+    ground.world.step(2)
+    ref = weakref.ref(ground.world)
+    gc.disable()
+    try:
+        del ground, body, node
+        assert ref() is None
+    finally:
+        gc.enable()
+    assert geom.world is None
+
+
 # -- errors
 
 
@@ -628,3 +649,16 @@ def test_touching_needs_a_world_and_forgets_who_left():
     ground.space.detach(body)
     with pytest.raises(oo.StateError, match="touching"):
         _ = geom.touching
+
+
+@BROAD
+def test_what_sleeps_still_touches_and_presses_nothing(broad):
+    """No solver looks at it, so no force is made up from an earlier step."""
+    ground = Ground(auto_disable=True, broad_phase=broad)
+    body = ground.drop(oo.Box((1, 1, 1), mass=2))
+    body.on_touch(ground.hear)
+    ground.world.run(3)
+    assert not body.enabled
+    ground.heard.clear()
+    ground.world.step(2)
+    assert [(touch.state, touch.impulse) for touch in ground.heard] == [("stay", 0), ("stay", 0)]
