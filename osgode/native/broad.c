@@ -467,6 +467,11 @@ void in_box_of(oo_world *w, dGeomID geom, void (*visit)(void *, unsigned int), v
     visit_all(w->broad, meets_box, &wanted, visit, data);
 }
 
+void in_box(oo_world *w, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data) {
+    box wanted = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    visit_all(w->broad, meets_box, &wanted, visit, data);
+}
+
 void near_way(oo_world *w, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data) {
     const struct oo_broad *b = w->broad;
     box wanted = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};

@@ -288,6 +288,12 @@ int oo_cast_ray_through(oo_world *, const oo_query *, const double ray[7]);
 /* All geoms that overlap one (which need not be in a space), into world.hits by slot: how many, or a status. */
 int oo_find_overlaps(oo_world *, const oo_query *, unsigned int slot);
 
+/* What a geom first touches that is moved: the hit's distance is the part of the motion, 0 to 1. 1, 0 (nothing), or a
+   status; OO_BAD_BODY for a geom that is not convex. */
+int oo_sweep(oo_world *, const oo_query *, unsigned int slot, const double motion[3], oo_hit *out);
+/* The nearest points of two geoms, the first convex: 3 numbers each, then how far they are apart. */
+int oo_closest(oo_world *, unsigned int slot1, unsigned int slot2, double out[7]);
+
 /* Up to count whole steps; ends early after a step with touch events or joints to break. The number of steps done, or a status below 0
    (then the step that failed was not done, or left no contact joints behind). If world.asking is set it has stopped
    within a step: the next call goes on with it, with the rows of world.touching as they were answered. */

@@ -48,12 +48,16 @@ void support(const shape *s, const double *way, double *out) {
 
 typedef struct simplex {
     double corner[4][3];
+    double on_a[4][3]; /* the points of the first shape that they came from */
     int count;
 } simplex;
 
 static void keep(simplex *s, const int *which, int count) {
     simplex old = *s;
-    for (int i = 0; i < count; i++) memcpy(s->corner[i], old.corner[which[i]], sizeof s->corner[i]);
+    for (int i = 0; i < count; i++) {
+        memcpy(s->corner[i], old.corner[which[i]], sizeof s->corner[i]);
+        memcpy(s->on_a[i], old.on_a[which[i]], sizeof s->on_a[i]);
+    }
     s->count = count;
 }
 
@@ -137,8 +141,31 @@ static int nearest_on_tetrahedron(simplex *s, double *out) {
     return inside;
 }
 
+/* The point of the first shape that a point of the simplex stands for: as its corners make up the one, so the other. */
+static void point_on_a(const simplex *s, const double *point, double *out) {
+    double weight[3] = {1, 0, 0}, ab[3], ac[3], ap[3];
+    if (s->count > 1) {
+        add_scaled(ab, s->corner[1], -1, s->corner[0]);
+        add_scaled(ap, point, -1, s->corner[0]);
+        double d00 = dot(ab, ab), d20 = dot(ap, ab);
+        if (s->count == 2) {
+            weight[1] = d00 > 0 ? d20 / d00 : 0;
+        } else {
+            add_scaled(ac, s->corner[2], -1, s->corner[0]);
+            double d01 = dot(ab, ac), d11 = dot(ac, ac), d21 = dot(ap, ac), area = d00 * d11 - d01 * d01;
+            weight[1] = area > 0 ? (d11 * d20 - d01 * d21) / area : 0;
+            weight[2] = area > 0 ? (d00 * d21 - d01 * d20) / area : 0;
+        }
+        weight[0] = 1 - weight[1] - weight[2];
+    }
+    for (int k = 0; k < 3; k++) {
+        out[k] = 0;
+        for (int i = 0; i < s->count && i < 3; i++) out[k] += weight[i] * s->on_a[i][k];
+    }
+}
+
 /* Of the cores, without margins; 0 if they meet. `apart` goes from the second towards the first, displaced by `by`. */
-static double core_distance(const shape *a, const double *by, const shape *b, double *apart) {
+static double core_distance(const shape *a, const double *by, const shape *b, double *apart, double *on_a) {
     simplex s = {.count = 0};
     double way[3], far_a[3], far_b[3], corner[3], scale = 1e-300;
     const double *from = a->points ? a->points : a->position, *to = b->points ? b->points : b->position;
@@ -154,8 +181,10 @@ static double core_distance(const shape *a, const double *by, const shape *b, do
         double distance = dot(apart, apart);
         /* No corner lies nearer to the origin along this direction: what has been found is the nearest. */
         if (s.count && distance - dot(apart, corner) <= 1e-12 * distance + 1e-30) break;
-        for (int i = 0; i < s.count; i++)
-            if (!memcmp(s.corner[i], corner, sizeof corner)) return sqrt(distance);
+        int known = 0;
+        for (int i = 0; i < s.count; i++) known |= !memcmp(s.corner[i], corner, sizeof corner);
+        if (known) break;
+        memcpy(s.on_a[s.count], far_a, sizeof far_a);
         memcpy(s.corner[s.count++], corner, sizeof corner);
         double next[3];
         if (s.count == 1) memcpy(next, corner, sizeof next);
@@ -167,6 +196,7 @@ static double core_distance(const shape *a, const double *by, const shape *b, do
         if (now >= best) break; /* rounding: it gets no better */
         best = now;
         memcpy(apart, next, sizeof next);
+        if (on_a) point_on_a(&s, apart, on_a);
     }
     return sqrt(dot(apart, apart));
 }
@@ -180,7 +210,7 @@ double shape_distance(const shape *a, const double *by, const shape *b, double *
         memcpy(normal, b->half, 3 * sizeof *normal);
         return dot(lowest, b->half) - b->position[0] - a->margin;
     }
-    distance = core_distance(a, by, b, apart);
+    distance = core_distance(a, by, b, apart, NULL);
     double length = sqrt(dot(apart, apart));
     for (int k = 0; k < 3; k++) normal[k] = distance > 0 ? apart[k] / length : 0;
     return distance - a->margin - b->margin;
@@ -198,4 +228,23 @@ double first_touch(const shape *a, const double *motion, const shape *b, double 
         for (int k = 0; k < 3; k++) by[k] = t * motion[k];
     }
     return t;
+}
+
+double closest_points(const shape *a, const shape *b, double *on_a, double *on_b) {
+    static const double here[3];
+    double normal[3], apart[3], distance;
+    if (b->kind == SHAPE_PLANE) {
+        distance = shape_distance(a, here, b, normal);
+        double way[3] = {-normal[0], -normal[1], -normal[2]};
+        support(a, way, on_a);
+    } else {
+        distance = core_distance(a, here, b, apart, on_a) - a->margin - b->margin;
+        double length = sqrt(dot(apart, apart));
+        for (int k = 0; k < 3; k++) normal[k] = length > 0 ? apart[k] / length : 0;
+    }
+    for (int k = 0; k < 3; k++) {
+        on_a[k] -= a->margin * normal[k];
+        on_b[k] = on_a[k] - distance * normal[k];
+    }
+    return distance;
 }

@@ -165,6 +165,8 @@ HIDDEN int begin_queries(oo_world *, unsigned int count);
 HIDDEN void along_ray(oo_world *, ray *, void (*visit)(void *, unsigned int slot), void *data);
 HIDDEN void in_box_of(oo_world *, dGeomID, void (*visit)(void *, unsigned int slot), void *data);
 HIDDEN void end_queries(oo_world *);
+/* All geoms whose boxes meet one, as they stand now. */
+HIDDEN void in_box(oo_world *, const double low[3], const double high[3], void (*visit)(void *, unsigned int slot), void *data);
 
 HIDDEN void lock_meshes(int wanted);
 HIDDEN int usable(const dContactGeom *);

@@ -1,6 +1,6 @@
 /* Questions to a World between its steps: what a ray hits, what a shape overlaps. */
 
-#include "internal.h"
+#include "shapes.h"
 
 typedef struct asked {
     oo_world *world;
@@ -214,4 +214,41 @@ int oo_find_overlaps(oo_world *w, const oo_query *query, unsigned int slot) {
     if (status != OO_OK) return status;
     if (w->hit_count) qsort(w->hits, w->hit_count, sizeof *w->hits, by_slot);
     return (int)w->hit_count;
+}
+
+static int wanted_slot(void *data, unsigned int slot) { return wanted(data, slot); }
+
+int oo_sweep(oo_world *w, const oo_query *query, unsigned int slot, const double motion[3], oo_hit *out) {
+    shape s;
+    w->out_of_memory = 0;
+    int convex = shape_of(&w->geoms[slot], &s);
+    if (convex != 1) return convex ? convex : OO_BAD_BODY;
+    int status = begin_queries(w, 1);
+    if (status == OO_OK) {
+        asked a = {w, query, &w->geoms[slot], slot, NULL, NULL, NULL};
+        unsigned int touched = 0;
+        *out = (oo_hit){.slot = -1};
+        out->distance = follow_shape(w, &s, motion, wanted_slot, &a, &touched, out->normal);
+        if (out->distance <= 1) out->slot = (int)touched;
+        end_queries(w);
+        status = w->out_of_memory ? OO_NO_MEMORY : out->slot >= 0;
+    }
+    shape_done(&s);
+    return status;
+}
+
+int oo_closest(oo_world *w, unsigned int slot1, unsigned int slot2, double out[7]) {
+    shape a, b;
+    int convex = shape_of(&w->geoms[slot1], &a);
+    if (convex != 1) return convex ? convex : OO_BAD_BODY;
+    int status = shape_of(&w->geoms[slot2], &b);
+    if (status == 1) {
+        out[6] = closest_points(&a, &b, out, out + 3);
+        shape_done(&b);
+        status = OO_OK;
+    } else if (status == 0) {
+        status = nearest_on_surface(&a, &w->geoms[slot2], &out[6], out, out + 3);
+    }
+    shape_done(&a);
+    return status;
 }

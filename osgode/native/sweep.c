@@ -19,6 +19,9 @@ typedef struct follower {
     shape middle;           /* its centre of mass, where that was */
     double motion[3], gap, thin;
     double touch;           /* the nearest so far */
+    unsigned int touched;   /* the slot of what it touches there */
+    int (*wanted)(void *, unsigned int slot); /* of a question: what counts, all of it standing still; NULL: of a step */
+    void *asker;
     double normal[3];
     double low[3], high[3]; /* of all of its way */
 } follower;
@@ -121,7 +124,9 @@ static void note(follower *f, double t, const double *normal) {
 static void try_shape(follower *f, const shape *other, const double *motion) {
     static const double here[3];
     double normal[3], distance = shape_distance(&f->shape, here, other, normal);
-    if (distance > f->gap) {
+    if (f->wanted && distance <= 0) {
+        note(f, 0, normal);
+    } else if (distance > f->gap || f->wanted) {
         double t = first_touch(&f->shape, motion, other, f->gap, normal);
         note(f, t, normal);
     } else if (dot(normal, normal) > 0) {
@@ -150,7 +155,8 @@ static void try_triangle(void *data, const double *corners[3]) {
     try_shape(v->follower, &triangle, v->motion);
 }
 
-static void try_heights(const surface *v, const field *f, const double *low, const double *high) {
+static void visit_heights(const field *f, const double *low, const double *high, void (*visit)(void *, const double *[3]),
+                          void *data) {
     const oo_mesh *m = f->data;
     int last_i = (int)m->columns - 2, last_j = (int)m->rows - 2;
     int i0 = clamped((low[0] + f->width / 2) / f->dx, last_i), i1 = clamped((high[0] + f->width / 2) / f->dx, last_i);
@@ -164,8 +170,8 @@ static void try_heights(const surface *v, const field *f, const double *low, con
                 corner[c][2] = (j + c / 2) * f->dz - f->depth / 2;
             }
             const double *lower[3] = {corner[0], corner[1], corner[2]}, *upper[3] = {corner[1], corner[2], corner[3]};
-            try_triangle((void *)v, lower);
-            try_triangle((void *)v, upper);
+            visit(data, lower);
+            visit(data, upper);
         }
 }
 
@@ -186,7 +192,7 @@ static int try_surface(follower *f, const oo_geom *geom, const double *shift, co
     const field *heights = dGeomGetClassData(geom->id);
     if (low[1] <= heights->data->highest && high[0] >= -heights->width / 2 && low[0] <= heights->width / 2 &&
         high[2] >= -heights->depth / 2 && low[2] <= heights->depth / 2)
-        try_heights(&v, heights, low, high);
+        visit_heights(heights, low, high, try_triangle, &v);
     return OO_OK;
 }
 
@@ -201,9 +207,13 @@ static int can_stop(const oo_world *w, const follower *f, const oo_geom *other) 
 static void try_geom(void *data, unsigned int slot) {
     follower *f = data;
     const oo_geom *geom = &f->world->geoms[slot];
-    if (!can_stop(f->world, f, geom) || !pair_declared(f->world, f->slot, slot)) return;
-    double shift[3], motion[3];
-    displacement(f->world, dGeomGetBody(geom->id), shift);
+    double shift[3] = {0}, motion[3], before = f->touch;
+    if (f->wanted) {
+        if (!f->wanted(f->asker, slot)) return;
+    } else {
+        if (!can_stop(f->world, f, geom) || !pair_declared(f->world, f->slot, slot)) return;
+        displacement(f->world, dGeomGetBody(geom->id), shift);
+    }
     for (int k = 0; k < 3; k++) motion[k] = f->motion[k] - shift[k];
     shape other;
     if (geom->mesh && !is_hull(geom)) {
@@ -220,6 +230,7 @@ static void try_geom(void *data, unsigned int slot) {
         move_back(&other, shift);
         try_shape(f, &other, motion);
     }
+    if (f->touch < before) f->touched = slot;
 }
 
 static void find_way(follower *f) {
@@ -322,4 +333,56 @@ int stop_fast_bodies(oo_world *w) {
     guard_leave();
     end_queries(w);
     return w->out_of_memory ? OO_NO_MEMORY : OO_OK;
+}
+
+int shape_of(const oo_geom *geom, shape *s) {
+    if (is_hull(geom)) return describe_hull(geom, s) ? OO_NO_MEMORY : 1;
+    return describe(geom->id, s);
+}
+
+void shape_done(shape *s) {
+    if (s->kind == SHAPE_POINTS) free((void *)s->points);
+}
+
+double follow_shape(oo_world *w, shape *s, const double motion[3], int (*wanted)(void *, unsigned int), void *asker,
+                    unsigned int *slot, double normal[3]) {
+    follower f = {.world = w, .shape = *s, .touch = 2, .wanted = wanted, .asker = asker, .gap = 1e-7};
+    memcpy(f.motion, motion, sizeof f.motion);
+    find_way(&f);
+    in_box(w, f.low, f.high, try_geom, &f);
+    *slot = f.touched;
+    memcpy(normal, f.normal, sizeof f.normal);
+    return f.touch;
+}
+
+typedef struct nearest {
+    const shape *shape;
+    frame at;
+    double distance, on_shape[3], on_other[3];
+} nearest;
+
+static void try_nearest(void *data, const double *corners[3]) {
+    nearest *n = data;
+    double points[9], on_shape[3], on_other[3];
+    for (int c = 0; c < 3; c++) to_world(&n->at, corners[c], points + 3 * c);
+    shape triangle = {.kind = SHAPE_POINTS, .points = points, .count = 3};
+    double distance = closest_points(n->shape, &triangle, on_shape, on_other);
+    if (distance >= n->distance) return;
+    n->distance = distance;
+    memcpy(n->on_shape, on_shape, sizeof on_shape);
+    memcpy(n->on_other, on_other, sizeof on_other);
+}
+
+/* All triangles: for a question that is asked now and then. */
+int nearest_on_surface(const shape *s, const oo_geom *geom, double *distance, double *on_shape, double *on_other) {
+    nearest n = {.shape = s, .at = frame_of(geom->id), .distance = INFINITY};
+    double low[3] = {-INFINITY, -INFINITY, -INFINITY}, high[3] = {INFINITY, INFINITY, INFINITY};
+    if (geom->flags & OO_IS_HEIGHTFIELD)
+        visit_heights(dGeomGetClassData(geom->id), low, high, try_nearest, &n);
+    else if (triangles_in(geom->mesh, low, high, try_nearest, &n))
+        return OO_NO_MEMORY;
+    *distance = n.distance;
+    memcpy(on_shape, n.on_shape, sizeof n.on_shape);
+    memcpy(on_other, n.on_other, sizeof n.on_other);
+    return OO_OK;
 }
