@@ -123,7 +123,7 @@ class Transmission(Joint):
         way = spots["anchor2"] - spots["anchor1"]
         if self._mode == "intersecting":
             spots = spots | {"axis2": right_angle(self, spots, "axis1", "axis2")}
-            for radius, name in zip(_bevel_radii(spots), ("anchor1", "anchor2"), strict=True):
+            for radius, name in zip(map(abs, _bevel_arms(spots)), ("anchor1", "anchor2"), strict=True):
                 if radius < SIZE_LIMITS[0]:
                     raise FieldError(
                         f"{self.describe()}.{name} is {tuple(spots[name])}, in the plane of the other wheel; "
@@ -214,26 +214,32 @@ class Transmission(Joint):
         if self._mode == "chain":
             return self.radius1 or 0.0, self.radius2 or 0.0
         if self._mode == "intersecting":
-            return _bevel_radii(self._spots)
+            arm1, arm2 = _bevel_arms(self._spots)
+            return abs(arm1), abs(arm2)
         apart = self._spots["anchor1"].distance(self._spots["anchor2"])
         return apart * self.ratio / (1.0 + self.ratio), apart / (1.0 + self.ratio)
 
     @property
     def error(self) -> float:
         """How far the teeth are off each other, or the chain is stretched, beyond the backlash, metres."""
-        row = self._read("error")
-        first, second = (radius * angle for radius, angle in zip(self.radii, row.position[0:2], strict=True))
-        off: float = abs(first - second if self._mode == "chain" else first + second)
+        angle1, angle2 = self._read("error").position[0:2]
+        arm1, arm2 = _bevel_arms(self._spots) if self._mode == "intersecting" else self.radii
+        if self._mode == "parallel":
+            arm2 = -arm2
+        off: float = abs(arm1 * angle1 - arm2 * angle2)
         return max(0.0, off - self.backlash)
 
 
-def _bevel_radii(spots: dict[str, Vec3]) -> tuple[float, float]:
-    """How far each anchor is from the line in which the planes of the wheels meet."""
+def _bevel_arms(spots: dict[str, Vec3]) -> tuple[float, float]:
+    """How far each anchor is from the line in which the planes of the wheels meet.
+
+    Negative where a wheel that turns forwards moves backwards along that line.
+    """
     n1, n2 = spots["axis1"], spots["axis2"]
     along = n1.cross(n2).normalized()
     result = []
     for own, other, anchor, far in ((n1, n2, "anchor1", "anchor2"), (n2, n1, "anchor2", "anchor1")):
-        across = along.cross(own)  # in the plane of the wheel, towards the line
+        across = along.cross(own)  # in the plane of the wheel, towards the line; a turn moves its end along the line
         height = (spots[far] - spots[anchor]).dot(other)
-        result.append(abs(height / across.dot(other)))
+        result.append(height / across.dot(other))
     return result[0], result[1]

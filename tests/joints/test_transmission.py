@@ -81,6 +81,7 @@ def test_bevel_gears_turn_so_that_their_teeth_move_together(at, turn, x, z, firs
     gears = Gears(at, (x, 0, z), (0, 0, first), (second, 0, 0), mode="intersecting", turn=turn)
     gears.drive(2.0, 0.3)
     gears.check(2.0, (first * x) / (second * z))
+    assert gears.gear.error < 1e-3
     assert gears.gear.radii == pytest.approx((abs(x), abs(z)))
     for point in gears.gear.contact_points:
         assert point == pytest.approx(gears.at[0] + turn.rotate((x, 0, 0)), abs=1e-4)
