@@ -159,6 +159,8 @@ _POOL: list[Any] = [
     (-1, 4),
     (-0.5, 1.25),
     "exact",
+    "ode",
+    "own",
     "zyx",
     "wood",
     "tested",
