@@ -59,7 +59,7 @@ from osgode.nodes.feedback import CollisionFeedback
 from osgode.nodes.geom import Geom
 from osgode.nodes.heightdata import HeightData
 from osgode.nodes.heightfield import Heightfield
-from osgode.nodes.hit import Hit
+from osgode.nodes.hit import Closest, Hit, Sweep
 from osgode.nodes.meshdata import MeshData
 from osgode.nodes.placeable import Placeable
 from osgode.nodes.plane import Plane
@@ -87,6 +87,7 @@ __all__ = [
     "Capsule",
     "CentreOfMass",
     "Chain",
+    "Closest",
     "CollisionFeedback",
     "ConvexHull",
     "CullVisitor",
@@ -146,6 +147,7 @@ __all__ = [
     "Sun",
     "Surface",
     "SurfaceTable",
+    "Sweep",
     "SweepAndPruneSpace",
     "Switch",
     "Text",

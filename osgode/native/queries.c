@@ -216,12 +216,15 @@ int oo_find_overlaps(oo_world *w, const oo_query *query, unsigned int slot) {
     return (int)w->hit_count;
 }
 
+/* A plane is, but it has no farthest point. */
+static int is_convex(const oo_geom *geom) { return dGeomGetClass(geom->id) != dPlaneClass && !(geom->flags & OO_IS_RAY); }
+
 static int wanted_slot(void *data, unsigned int slot) { return wanted(data, slot); }
 
 int oo_sweep(oo_world *w, const oo_query *query, unsigned int slot, const double motion[3], oo_hit *out) {
     shape s;
     w->out_of_memory = 0;
-    int convex = shape_of(&w->geoms[slot], &s);
+    int convex = is_convex(&w->geoms[slot]) ? shape_of(&w->geoms[slot], &s) : 0;
     if (convex != 1) return convex ? convex : OO_BAD_BODY;
     int status = begin_queries(w, 1);
     if (status == OO_OK) {
@@ -239,9 +242,9 @@ int oo_sweep(oo_world *w, const oo_query *query, unsigned int slot, const double
 
 int oo_closest(oo_world *w, unsigned int slot1, unsigned int slot2, double out[7]) {
     shape a, b;
-    int convex = shape_of(&w->geoms[slot1], &a);
+    int convex = is_convex(&w->geoms[slot1]) ? shape_of(&w->geoms[slot1], &a) : 0;
     if (convex != 1) return convex ? convex : OO_BAD_BODY;
-    int status = shape_of(&w->geoms[slot2], &b);
+    int status = w->geoms[slot2].flags & OO_IS_RAY ? OO_BAD_BODY : shape_of(&w->geoms[slot2], &b);
     if (status == 1) {
         out[6] = closest_points(&a, &b, out, out + 3);
         shape_done(&b);

@@ -27,6 +27,7 @@ from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.base import nearest_body
 from osgode.nodes.placeable import Placeable
+from osgode.nodes.queries import closest
 from osgode.nodes.touch import Listening, contact_rows, listening_above
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from osgode.graph.node import Group
     from osgode.mass import Mass
     from osgode.nodes.body import Body
+    from osgode.nodes.hit import Closest
     from osgode.nodes.realm import Realm
 
 LOOKS: dict[str, Appearance] = {
@@ -280,6 +282,19 @@ class Geom(Listening):
         )
         geoms = (realm.node_of_slot(int(slot)) for slot in np.unique(others))
         return tuple(geom for geom in geoms if isinstance(geom, Geom) and geom.is_live)
+
+    def closest_to(self, other: Geom) -> Closest:
+        """How far this geom is from another one of the same World, and where they are nearest.
+
+        One of the two must be convex (a sphere, box, capsule, cylinder or hull). Against a mesh or heightfield all
+        its triangles are looked at.
+
+        Raises:
+            StateError: outside of a World.
+            TreeError: if the other is no geom of the same World.
+            FieldError: if neither is convex.
+        """
+        return closest(self, other)
 
     def _mark_listened(self) -> None:
         if self._realm is None:

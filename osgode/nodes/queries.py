@@ -14,10 +14,10 @@ import numpy.typing as npt
 from osgode.errors import FieldError, TreeError, shown
 from osgode.fields import DIRECTION, POSITION_LIMIT, ROTATION, number, vector
 from osgode.materials import KINDS, collide_bits
-from osgode.maths import IDENTITY, ZERO, FloatArray, Vec3, Vec3Like
+from osgode.maths import IDENTITY, ZERO, FloatArray, Quat, Vec3, Vec3Like
 from osgode.native import checked, ffi, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes
-from osgode.nodes.hit import Hit
+from osgode.nodes.hit import Closest, Hit, Sweep
 
 if TYPE_CHECKING:
     from osgode.maths import QuatLike
@@ -196,22 +196,56 @@ class Queries(PhysicsNode):
             TreeError: if the shape is no geom, or is in a World.
             FieldError: for a bad place; a Plane has none but its own.
         """
-        from osgode.nodes.geom import Geom
-
         realm = self._live("overlaps")
         name = f"{self.describe()}.overlaps()"
-        if not isinstance(shape, Geom) or shape.is_live:
-            raise TreeError(f"{name}: shape is {shown(shape)}; it must be a geom that is in no World")
-        point = vector(POSITION_LIMIT)(name, "position", position)
-        turn = ROTATION(name, "rotation", rotation)
-        if not shape.PLACED and (point != ZERO or turn != IDENTITY):
-            raise FieldError(f"{name}: {shape.describe()} can't be placed; leave position and rotation away")
+        point, turn = _placed(name, shape, position, rotation)
         query, _keep = self._query(realm, "overlaps", kinds, exclude)
         with realm.editing():
             with shape._visiting(realm, point, turn) as slot:
                 count = lib.oo_find_overlaps(realm.ptr, query, slot)
             checked(count, name)
             return [_hit(realm, hit) for hit in ffi.unpack(realm.ptr.hits, count)] if count else []
+
+    def sweep(
+        self,
+        shape: Geom,
+        start: Vec3Like,
+        motion: Vec3Like,
+        rotation: QuatLike = IDENTITY,
+        *,
+        kinds: Kinds = None,
+        exclude: Iterable[PhysicsNode] = (),
+    ) -> Sweep | None:
+        """What a shape would first touch if it went along a segment, without turning; None if nothing.
+
+        Exact for spheres, boxes, capsules, cylinders and convex hulls against all geoms, which stand still meanwhile.
+
+        Args:
+            shape: a geom that is in no World; it isn't changed. Not a mesh, heightfield, plane or ray.
+            start: of the shape, metres in the world.
+            motion: from there to the end, metres.
+            rotation: of the shape.
+            kinds: as for `cast_ray`.
+            exclude: as for `cast_ray`.
+
+        Raises:
+            TreeError: if the shape is no geom, or is in a World.
+            FieldError: for a bad place or motion, or a shape that is not convex.
+        """
+        realm = self._live("sweep")
+        name = f"{self.describe()}.sweep()"
+        point, turn = _placed(name, shape, start, rotation)
+        way = vector(LONGEST)(name, "motion", motion)
+        query, _keep = self._query(realm, "sweep", kinds, exclude)
+        out = ffi.new("oo_hit *")
+        with realm.editing():
+            with shape._visiting(realm, point, turn) as slot:
+                found = lib.oo_sweep(realm.ptr, query, slot, tuple(way), out)
+            _refuse_concave(found, name, "shape", shape)
+            if not checked(found, name):
+                return None
+            geom = cast("Geom", realm.node_of_slot(out.slot))
+            return Sweep(out.distance, point + way * out.distance, Vec3(*out.normal), geom, geom.body)
 
     # -- what the C core is asked with
 
@@ -258,6 +292,45 @@ class Queries(PhysicsNode):
         table = ffi.new("unsigned int[]", sorted(slots))
         query = {"kinds": bits, "space": self._native_space(), "excluded": table, "excluded_count": len(slots)}
         return ffi.new("oo_query *", query), table
+
+
+def _placed(name: str, shape: object, position: Vec3Like, rotation: QuatLike) -> tuple[Vec3, Quat]:
+    """Where a shape is to stand that is asked about."""
+    from osgode.nodes.geom import Geom
+
+    if not isinstance(shape, Geom) or shape.is_live:
+        raise TreeError(f"{name}: shape is {shown(shape)}; it must be a geom that is in no World")
+    point = vector(POSITION_LIMIT)(name, "position", position)
+    turn = ROTATION(name, "rotation", rotation)
+    if not shape.PLACED and (point != ZERO or turn != IDENTITY):
+        raise FieldError(f"{name}: {shape.describe()} can't be placed; leave position and rotation away")
+    return point, turn
+
+
+def _refuse_concave(status: int, name: str, argument: str, geom: Geom) -> None:
+    if status == lib.OO_BAD_BODY:
+        raise FieldError(
+            f"{name}: {argument} is {geom.describe()}; it must be a Sphere, Box, Capsule, Cylinder or ConvexHull"
+        )
+
+
+def closest(geom: Geom, other: Geom) -> Closest:
+    """The nearest points of two geoms of one World; see `Geom.closest_to`."""
+    name = f"{geom.describe()}.closest_to()"
+    realm = geom._live("closest_to")
+    if getattr(other, "_realm", None) is not realm or other is geom or not hasattr(other, "SHAPE"):
+        raise TreeError(f"{name}: other is {shown(other)}; it must be another geom of the same World")
+    out = ffi.new("double[7]")
+    with realm.editing():
+        status = lib.oo_closest(realm.ptr, geom._slot, other._slot, out)
+    if status == lib.OO_BAD_BODY:  # the other way round, then
+        with realm.editing():
+            status = lib.oo_closest(realm.ptr, other._slot, geom._slot, out)
+        _refuse_concave(status, name, "one of the two", geom)
+        checked(status, name)
+        return Closest(out[6], Vec3(*out[3:6]), Vec3(*out[0:3]))
+    checked(status, name)
+    return Closest(out[6], Vec3(*out[0:3]), Vec3(*out[3:6]))
 
 
 def _hit(realm: Realm, row: Any) -> Hit:
