@@ -90,6 +90,7 @@ class Heap(Example):
                 name=f"thing {k}",
                 position=HEAP + place + jitter,
                 rotation=oo.Quat.from_yaw_pitch_roll(yaw, pitch, roll),
+                tunnelling="sweep",  # the ground is a surface, and a plank is thin
             )
             chance.choice(kinds)(body, chance)
             self.things.append(body)

@@ -85,7 +85,7 @@ class Stairs(Example):
         """All have fallen and stay in one piece."""
         expect(self.loosest < 0.05, "no joint opens by five centimetres")
         bottom = STEPS * TREAD - TREAD / 2
-        expect(sum(doll.centre_of_mass.z > bottom / 2 for doll in self.dolls) >= 4, "most fall down the stairs")
+        expect(sum(doll.centre_of_mass.z > bottom / 3 for doll in self.dolls) >= 4, "most fall down the stairs")
         for doll in self.dolls:
             lies = doll.body("head").position.y - doll.body("left foot").position.y
             expect(lies < 1.0, "nobody stands")

@@ -26,8 +26,8 @@ from osgode.materials import (
 from osgode.maths import IDENTITY, ZERO, Pose, Quat, Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.base import nearest_body
+from osgode.nodes.closest import closest
 from osgode.nodes.placeable import Placeable
-from osgode.nodes.queries import closest
 from osgode.nodes.touch import Listening, contact_rows, listening_above
 
 if TYPE_CHECKING:

@@ -17,7 +17,8 @@ from osgode.materials import KINDS, collide_bits
 from osgode.maths import IDENTITY, ZERO, FloatArray, Quat, Vec3, Vec3Like
 from osgode.native import checked, ffi, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes
-from osgode.nodes.hit import Closest, Hit, Sweep
+from osgode.nodes.closest import is_geom, refuse_concave
+from osgode.nodes.hit import Hit, Sweep
 
 if TYPE_CHECKING:
     from osgode.maths import QuatLike
@@ -241,7 +242,7 @@ class Queries(PhysicsNode):
         with realm.editing():
             with shape._visiting(realm, point, turn) as slot:
                 found = lib.oo_sweep(realm.ptr, query, slot, tuple(way), out)
-            _refuse_concave(found, name, "shape", shape)
+            refuse_concave(found, name, "shape", shape)
             if not checked(found, name):
                 return None
             geom = cast("Geom", realm.node_of_slot(out.slot))
@@ -294,43 +295,15 @@ class Queries(PhysicsNode):
         return ffi.new("oo_query *", query), table
 
 
-def _placed(name: str, shape: object, position: Vec3Like, rotation: QuatLike) -> tuple[Vec3, Quat]:
+def _placed(name: str, shape: Any, position: Vec3Like, rotation: QuatLike) -> tuple[Vec3, Quat]:
     """Where a shape is to stand that is asked about."""
-    from osgode.nodes.geom import Geom
-
-    if not isinstance(shape, Geom) or shape.is_live:
+    if not is_geom(shape) or shape.is_live:
         raise TreeError(f"{name}: shape is {shown(shape)}; it must be a geom that is in no World")
     point = vector(POSITION_LIMIT)(name, "position", position)
     turn = ROTATION(name, "rotation", rotation)
     if not shape.PLACED and (point != ZERO or turn != IDENTITY):
         raise FieldError(f"{name}: {shape.describe()} can't be placed; leave position and rotation away")
     return point, turn
-
-
-def _refuse_concave(status: int, name: str, argument: str, geom: Geom) -> None:
-    if status == lib.OO_BAD_BODY:
-        raise FieldError(
-            f"{name}: {argument} is {geom.describe()}; it must be a Sphere, Box, Capsule, Cylinder or ConvexHull"
-        )
-
-
-def closest(geom: Geom, other: Geom) -> Closest:
-    """The nearest points of two geoms of one World; see `Geom.closest_to`."""
-    name = f"{geom.describe()}.closest_to()"
-    realm = geom._live("closest_to")
-    if getattr(other, "_realm", None) is not realm or other is geom or not hasattr(other, "SHAPE"):
-        raise TreeError(f"{name}: other is {shown(other)}; it must be another geom of the same World")
-    out = ffi.new("double[7]")
-    with realm.editing():
-        status = lib.oo_closest(realm.ptr, geom._slot, other._slot, out)
-    if status == lib.OO_BAD_BODY:  # the other way round, then
-        with realm.editing():
-            status = lib.oo_closest(realm.ptr, other._slot, geom._slot, out)
-        _refuse_concave(status, name, "one of the two", geom)
-        checked(status, name)
-        return Closest(out[6], Vec3(*out[3:6]), Vec3(*out[0:3]))
-    checked(status, name)
-    return Closest(out[6], Vec3(*out[0:3]), Vec3(*out[3:6]))
 
 
 def _hit(realm: Realm, row: Any) -> Hit:

@@ -148,6 +148,7 @@ ROWS = {
         for name in ("kinematic", "gravity", "gyroscopic", "enabled", "auto_recentre", "auto_disable")
         for action in setting(name, 1, "yes", NAN, (True,))
     ],
+    "no way of being followed": setting("tunnelling", "fast", "", 1, True),
 }
 """Of both: in a World and outside."""
 
