@@ -236,6 +236,20 @@ class Limot3Fields(TypedDict, total=False):
     cfm3: float | None
 
 
+class MotorFields(TypedDict, total=False):
+    """The motors of three axes without stops."""
+
+    motor_velocity1: float
+    motor_max_force1: float
+    cfm1: float | None
+    motor_velocity2: float
+    motor_max_force2: float
+    cfm2: float | None
+    motor_velocity3: float
+    motor_max_force3: float
+    cfm3: float | None
+
+
 class Driven(Joint):
     """A joint with motors, and perhaps with stops."""
 

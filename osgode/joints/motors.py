@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, TypedDict, Unpack
+from typing import Any, Unpack
 
 from osgode.errors import FieldError, shown
 from osgode.fields import DIRECTION, NumberField, choice, number
@@ -15,6 +15,7 @@ from osgode.joints.limits import (
     Limot1Fields,
     Limot2Fields,
     Limot3Fields,
+    MotorFields,
     motor_fields,
     stop_fields,
     stops_field,
@@ -261,20 +262,6 @@ class AngularMotor(_Motor):
         for i, (torque, axis) in enumerate(zip((torque1, torque2, torque3), self.axes, strict=False), 1):
             total += axis * check(f"{self.describe()}.add_torques()", f"torque{i}", torque)
         self._twist("add_torques", total)
-
-
-class MotorFields(TypedDict, total=False):
-    """The motors of three axes without stops."""
-
-    motor_velocity1: float
-    motor_max_force1: float
-    cfm1: float | None
-    motor_velocity2: float
-    motor_max_force2: float
-    cfm2: float | None
-    motor_velocity3: float
-    motor_max_force3: float
-    cfm3: float | None
 
 
 class LinearMotorFields(JointFields, MotorFields):

@@ -3,30 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TypedDict, Unpack
+from typing import Unpack
 
 from osgode.joints.base import ONE_BODY, JointFields
-from osgode.joints.limits import Driven, motor_fields
+from osgode.joints.limits import Driven, MotorFields, motor_fields
 from osgode.maths import Vec3
 from osgode.native import lib
 from osgode.nodes.body import Body
 
 
-class PlaneMotors(TypedDict, total=False):
-    """The motors of `Plane2D`."""
-
-    motor_velocity1: float
-    motor_max_force1: float
-    cfm1: float | None
-    motor_velocity2: float
-    motor_max_force2: float
-    cfm2: float | None
-    motor_velocity3: float
-    motor_max_force3: float
-    cfm3: float | None
-
-
-class Plane2DFields(JointFields, PlaneMotors):
+class Plane2DFields(JointFields, MotorFields):
     """The keyword arguments of `Plane2D`."""
 
 
