@@ -475,11 +475,12 @@ void near_way(oo_world *w, const double low[3], const double high[3], void (*vis
     for (unsigned int i = 0; i < b->mover_count; i++) { /* they stand where they went to */
         unsigned int slot = b->movers[i].slot;
         if (w->geoms[slot].flags & OO_IS_RAY) continue;
-        const double *back = w->bodies[(size_t)dBodyGetData(dGeomGetBody(w->geoms[slot].id))].way;
+        const oo_body *body = &w->bodies[(size_t)dBodyGetData(dGeomGetBody(w->geoms[slot].id))];
         box way = b->entries[slot].box;
-        for (int k = 0; k < 3; k++) {
-            way.low[k] -= fmax(back[k], 0);
-            way.high[k] -= fmin(back[k], 0);
+        for (int k = 0; k < 3; k++) { /* or where they were stopped, which the boxes don't know */
+            double start = -body->way[k], stop = body->moved[k] - body->way[k];
+            way.low[k] += fmin(fmin(start, stop), 0);
+            way.high[k] += fmax(fmax(start, stop), 0);
         }
         if (overlap(&way, &wanted)) visit(data, slot);
     }

@@ -51,7 +51,7 @@ typedef struct oo_body {
     double com[3];      /* centre of mass (ODE's reference point) in the frame that the author placed */
     double thin;        /* half of its thinnest part, metres; infinite without geoms */
     double way[3];      /* of its centre of mass in the last step, if anything was too fast in it */
-    double kept;        /* of that way, where it was stopped on it */
+    double moved[3];    /* the same, if it was not stopped on it */
     int held;           /* it was stopped in the last step */
     int tunnelling;     /* enum oo_tunnelling */
     int warned;         /* that it is too fast for its size: 1 to be told, 2 told */

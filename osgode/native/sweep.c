@@ -25,6 +25,8 @@ typedef struct follower {
     int met;                /* what came of touching that, or UNKNOWN */
     double touch;           /* the nearest so far */
     double normal[3], into; /* how far it is put into that */
+    double carried;         /* by that, along the normal, for the rest of the step */
+    double shift[3];        /* of what is tried */
     double low[3], high[3]; /* of all of its way */
 } follower;
 
@@ -40,12 +42,9 @@ static double find_motion(const oo_world *w, unsigned int index, double *out) {
     return sqrt(dot(out, out));
 }
 
-/* Less where it was stopped on its way. */
 static void displacement(const oo_world *w, dBodyID body, double *out) {
-    memset(out, 0, 3 * sizeof *out);
-    if (!body) return;
-    const oo_body *own = &w->bodies[(size_t)dBodyGetData(body)];
-    for (int k = 0; k < 3; k++) out[k] = own->way[k] * own->kept;
+    static const double still[3];
+    memcpy(out, body ? w->bodies[(size_t)dBodyGetData(body)].moved : still, 3 * sizeof *out);
 }
 
 /* 0 if it is no convex shape. */
@@ -147,6 +146,7 @@ static void note(follower *f, double t, const double *normal, double into) {
     }
     f->touch = t;
     f->into = into;
+    f->carried = (1 - t) * dot(f->shift, normal);
     memcpy(f->normal, normal, sizeof f->normal);
 }
 
@@ -251,6 +251,7 @@ static void try_geom(void *data, unsigned int slot) {
     displacement(f->world, dGeomGetBody(geom->id), shift);
     for (int k = 0; k < 3; k++) motion[k] = f->motion[k] - shift[k];
     if (!isfinite(dot(motion, motion))) return; /* the step will say so */
+    memcpy(f->shift, shift, sizeof f->shift);
     f->other = slot;
     f->met = UNKNOWN;
     shape other;
@@ -348,9 +349,9 @@ static void follow_body(oo_world *w, oo_body *own) {
     if (!own->held) return;
     /* A little into what it hits; the centre of mass alone stops before it, by most of the body's thickness. */
     double into = as_point ? (ROUNDED - 1) * f.thin : f.into, at[3];
-    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] - into * f.normal[k];
+    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] + (f.carried - into) * f.normal[k];
     dBodySetPosition(own->id, at[0], at[1], at[2]);
-    own->kept = f.touch;
+    for (int k = 0; k < 3; k++) own->moved[k] = at[k] - f.middle.position[k];
 }
 
 static int is_fast(oo_world *w, unsigned int index) {
@@ -369,7 +370,7 @@ int stop_fast_bodies(oo_world *w) {
     }
     for (unsigned int i = 0; i < w->body_count; i++) {
         find_motion(w, i, w->bodies[i].way);
-        w->bodies[i].kept = 1;
+        memcpy(w->bodies[i].moved, w->bodies[i].way, sizeof w->bodies[i].moved);
     }
     if (begin_queries(w, 1)) return OO_NO_MEMORY;
     if (guard_enter()) {
