@@ -9,6 +9,7 @@
 
 #define LITTLE 0.01     /* of the thinnest part: how far it is put into what it hits */
 #define AT_MOST 1e-3
+#define WATCHED 30      /* steps after a stop: it may have been turned into the wall, and go on from there slowly */
 #define ROUNDED 0.1     /* of the thinnest part: how much edges and corners are rounded off */
 
 typedef struct follower {
@@ -158,8 +159,16 @@ static int goes_into(const follower *f, const shape *other, const double *motion
     return first_touch(&core, motion, other, f->gap, normal) <= 1;
 }
 
+static int middle_meets(const follower *f, const shape *other, const double *motion) {
+    static const double here[3];
+    double normal[3];
+    if (shape_distance(&f->middle, here, other, normal) <= f->gap) return 0;
+    return first_touch(&f->middle, motion, other, f->gap, normal) <= 1;
+}
+
 /* A body that has hit with a corner turns, and its middle goes on as fast: what it touches already stops it too, if it
-   would go far into that. Along it, it may slide, from one triangle or tile of a floor to the next. */
+   would go far into that, or its middle through it. Along it, it may slide, from one triangle or tile of a floor to the
+   next. */
 static void try_shape(follower *f, const shape *other, const double *motion) {
     static const double here[3];
     double normal[3], distance = shape_distance(&f->shape, here, other, normal);
@@ -167,9 +176,10 @@ static void try_shape(follower *f, const shape *other, const double *motion) {
         double t = first_touch(&f->shape, motion, other, f->gap, normal);
         if (t <= 1 && (!f->pressed || goes_into(f, other, motion))) note(f, t, normal, 2 * f->gap);
     } else if (dot(normal, normal) > 0) {
-        if (-dot(motion, normal) > f->thin / 2 && goes_into(f, other, motion)) note(f, 0, normal, fmax(distance + f->gap, 0));
-    } else if (shape_distance(&f->middle, here, other, normal) > f->gap) { /* too deep to tell which way is out */
-        if (first_touch(&f->middle, motion, other, f->gap, normal) <= 1) note(f, 0, normal, 0);
+        int far = -dot(motion, normal) > f->thin / 2 && goes_into(f, other, motion);
+        if (far || middle_meets(f, other, motion)) note(f, 0, normal, fmax(distance + f->gap, 0));
+    } else if (middle_meets(f, other, motion)) { /* too deep to tell which way is out */
+        note(f, 0, normal, 0);
     }
 }
 
@@ -346,6 +356,7 @@ static void follow_body(oo_world *w, oo_body *own) {
         follow_geom(&f, &w->geoms[f.slot], as_point);
     }
     own->held = f.touch <= 1;
+    own->watched = own->held ? WATCHED : own->watched - (own->watched > 0);
     if (!own->held) return;
     /* A little into what it hits; the centre of mass alone stops before it, by most of the body's thickness. */
     double into = as_point ? (ROUNDED - 1) * f.thin : f.into, at[3];
@@ -358,7 +369,8 @@ static int is_fast(oo_world *w, unsigned int index) {
     oo_body *body = &w->bodies[index];
     if (!body->tunnelling || dBodyIsKinematic(body->id)) return 0;
     double way = find_motion(w, index, body->way);
-    return way > body->thin / 2 && way <= 2 * POSITION_LIMIT; /* what went farther is about to be complained of */
+    if (!(way <= 2 * POSITION_LIMIT)) return 0; /* it is about to be complained of */
+    return way > body->thin / 2 || body->watched;
 }
 
 int stop_fast_bodies(oo_world *w) {
