@@ -1,7 +1,7 @@
 """A billiard break: the cue ball scatters fifteen balls over a table with cushions.
 
 Shows materials of one's own and how pairs of them meet (balls that bounce off each other, cushions, cloth), rolling
-friction that brings the balls to rest, and a cue ball too fast for its size that is swept.
+friction that brings the balls to rest, and sweeps of balls that are too fast for their size.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Billiards(Example):
 
     def build(self) -> None:
         """Materials, table, balls."""
-        self.camera = Orbit(oo.Vec3(0.05, TOP, 0.05), 2.75, yaw=0.45, pitch=0.75)
+        self.camera = Orbit(oo.Vec3(0.05, TOP - 0.2, 0.1), 2.75, yaw=0.4, pitch=0.8)
         oo.define_material("phenolic resin", density=1740)
         oo.define_material("cloth", density=300)
         oo.define_material("cushion", density=1100)
@@ -56,16 +56,17 @@ class Billiards(Example):
         self.build_table()
         self.balls = [self.ball(k, place) for k, place in enumerate(self.rack())]
         self.cue = self.ball(-1, oo.Vec3(HEAD, 0, 0.004))
-        self.cue.tunnelling = "sweep"
         self.cue.linear_velocity = (SPEED, 0, 0)
         self.cue.angular_velocity = (0, 0, -SPEED / RADIUS)  # it rolls
         self.start = [ball.position for ball in self.balls]
         self.energy = self.most = self.motion()
-        self.before = math.inf
 
     def build_table(self) -> None:
         """Cloth, cushions with wood behind them, legs."""
-        green, wood = look("plaster", (0.05, 0.42, 0.3), scale=0.6, shine=0.0), look("planks", (0.5, 0.3, 0.2), scale=0.5)
+        green, wood = (
+            look("plaster", (0.05, 0.42, 0.3), scale=0.6, shine=0.0),
+            look("planks", (0.5, 0.3, 0.2), scale=0.5),
+        )
         slab = oo.Box((LENGTH + 2 * RAIL, 0.1, WIDTH + 2 * RAIL), material="cloth", appearance=green)
         self.still(slab, (0, TOP - 0.05, 0))
         edge = oo.Appearance((0.04, 0.33, 0.23, 1.0), shininess=0.0)
@@ -79,10 +80,13 @@ class Billiards(Example):
             self.still(
                 oo.Box((LENGTH + 2 * out + 0.1, 0.17, 0.1), appearance=wood), (0, TOP - 0.015, side * (WIDTH / 2 + out))
             )
-            self.still(oo.Box((0.1, 0.17, WIDTH + 2 * RAIL), appearance=wood), (side * (LENGTH / 2 + out), TOP - 0.015, 0))
+            self.still(
+                oo.Box((0.1, 0.17, WIDTH + 2 * RAIL), appearance=wood), (side * (LENGTH / 2 + out), TOP - 0.015, 0)
+            )
             for end in (-1, 1):
                 self.still(
-                    oo.Box((0.16, TOP - 0.1, 0.16), appearance=wood), (end * LENGTH / 2, TOP / 2 - 0.05, side * WIDTH / 2)
+                    oo.Box((0.16, TOP - 0.1, 0.16), appearance=wood),
+                    (end * LENGTH / 2, TOP / 2 - 0.05, side * WIDTH / 2),
                 )
 
     def rack(self) -> list[oo.Vec3]:
@@ -99,7 +103,9 @@ class Billiards(Example):
         colour = (0.96, 0.95, 0.9) if number < 0 else COLOURS[number % len(COLOURS)]
         shape = oo.Sphere(RADIUS, material="phenolic resin", mass=MASS, appearance=painted(*colour, shine=0.9))
         name = "cue ball" if number < 0 else f"ball {number + 1}"
-        return self.body(shape, place + oo.Vec3(0, TOP + RADIUS, 0), name=name)
+        ball = self.body(shape, place + oo.Vec3(0, TOP + RADIUS, 0), name=name)
+        ball.tunnelling = "sweep"
+        return ball
 
     def motion(self) -> float:
         """Energy of all balls, joules: m v^2 / 2 + 2/5 m r^2 w^2 / 2, and what height has made of it."""

@@ -1,8 +1,9 @@
-"""Three guns fire at three thin walls, thirty times slower than in life. Red: nothing follows the bullets; yellow: a ray
-follows their middles; green: a sweep follows all of them.
+"""Three guns fire at three thin walls, thirty times slower than in life.
 
+Nothing follows the red bullets; a ray follows the middles of the yellow ones; a sweep follows all of the green ones.
 Shows what `Body.tunnelling` does against bullets that go a metre in a step: red ones fly through the wall, yellow ones
-only where they graze its edge, green ones never. Each leaves a mark where it was after a step.
+only where they graze its edge, green ones never. Each leaves a mark where it was after a step, until it
+bounces.
 """
 
 from __future__ import annotations
@@ -15,10 +16,10 @@ from osgode.examples.runner import ALONG_X, Example, Orbit, expect, look, painte
 
 STEP, WAY = 0.25, 1.0
 """Seconds of the picture that a step takes: 1/120 s in life; and how far a bullet goes in it, metres."""
-RADIUS, THICK, HEIGHT = 0.11, 0.03, 1.5
+RADIUS, THICK, HEIGHT = 0.11, 0.03, 1.4
 """Of the bullets and of the walls, metres."""
-MUZZLE, WALL, END = -3.0, 0.5, 4.5
-"""Where along x bullets come from, where the walls stand, and where a bullet has got through, metres."""
+MUZZLE, WALL, END = -3.0, 0.5, 4.0
+"""Where along x bullets come from, where the walls stand, and where bullets are taken away, metres."""
 SHOTS = ((0.35, -0.4), (0.75, 0.2), (1.15, -0.1), (0.5, 0.45), (HEIGHT + RADIUS / 3, 0.1), (0.95, 0.5))
 """How high, and how far beside the middle, the bullets of a gun fly, metres. One is over the wall, but for a third of
 it."""
@@ -39,7 +40,7 @@ class Bullets(Example):
 
     def build(self) -> None:
         """Ground, and for each lane a gun and a wall."""
-        self.camera = Orbit(oo.Vec3(0.3, 0.55, 0.2), 9.6, yaw=0.5, pitch=0.42)
+        self.camera = Orbit(oo.Vec3(0.0, 0.6, 0.5), 8.0, yaw=0.3, pitch=0.58)
         self.ground("concrete", (0.75, 0.76, 0.8))
         self.fired: dict[str | None, list[oo.Body]] = {mode: [] for mode, _z, _colour in LANES}
         self.through: dict[str | None, set[int]] = {mode: set() for mode in self.fired}
@@ -81,7 +82,8 @@ class Bullets(Example):
                     self.through[mode].add(number)
                 if bullet.linear_velocity.x < 0 or bullet.linear_velocity.y > 0.1:
                     self.back[mode].add(number)
-                if bullet.parent is not None and MUZZLE < x < END:
+                flying = x > WALL or number not in self.back[mode] or number == GRAZING
+                if flying and bullet.parent is not None and MUZZLE < x < END:
                     mark = oo.PositionAttitudeTransform(position=bullet.position)
                     self.root.attach(mark).attach(oo.Leaf(self.marks[mode]))
                 if bullet.parent is not None and abs(x) > END:
