@@ -59,7 +59,7 @@ struct oo_broad {
 static void mark_space(oo_world *w, dSpaceID space, unsigned int slot) {
     members m = {0};
     for (dSpaceID at = space; at; at = dGeomGetSpace((dGeomID)at))
-        for (unsigned int i = 0; i < w->declared_count; i++) {
+        for (unsigned int i = 0; i < w->declared_count && i < MOST_DECLARED; i++) {
             const oo_pair *pair = &w->declared[i];
             uint64_t bit = (uint64_t)1 << i;
             if (!pair->other && pair->space == at) m.inside |= bit;
@@ -480,17 +480,29 @@ void near_way(oo_world *w, const double low[3], const double high[3], void (*vis
     for (unsigned int i = 0; i < b->mover_count; i++) { /* they stand where they went to */
         unsigned int slot = b->movers[i].slot;
         if (w->geoms[slot].flags & OO_IS_RAY) continue;
-        const dReal *v = dBodyGetLinearVel(dGeomGetBody(w->geoms[slot].id));
+        const oo_body *body = &w->bodies[(size_t)dBodyGetData(dGeomGetBody(w->geoms[slot].id))];
         box way = b->entries[slot].box;
-        for (int k = 0; k < 3; k++) {
-            double back = v[k] * w->step_size;
-            way.low[k] -= fmax(back, 0);
-            way.high[k] -= fmin(back, 0);
+        for (int k = 0; k < 3; k++) { /* or where they were stopped, which the boxes don't know */
+            double start = -body->way[k], stop = body->moved[k] - body->way[k];
+            way.low[k] += fmin(fmin(start, stop), 0);
+            way.high[k] += fmax(fmax(start, stop), 0);
         }
         if (overlap(&way, &wanted)) visit(data, slot);
     }
 }
 
+static int is_within(const oo_world *w, unsigned int slot, dSpaceID space) {
+    dSpaceID at = dGeomGetSpace(w->geoms[slot].id);
+    while (at && at != space) at = dGeomGetSpace((dGeomID)at);
+    return at != NULL;
+}
+
 int pair_declared(const oo_world *w, unsigned int slot1, unsigned int slot2) {
-    return w->declared_count > MOST_DECLARED || declared(w->broad, slot1, slot2);
+    if (w->declared_count <= MOST_DECLARED) return declared(w->broad, slot1, slot2);
+    for (unsigned int i = 0; i < w->declared_count; i++) {
+        dSpaceID space = w->declared[i].space, other = w->declared[i].other ? w->declared[i].other : space;
+        if (is_within(w, slot1, space) && is_within(w, slot2, other)) return 1;
+        if (is_within(w, slot2, space) && is_within(w, slot1, other)) return 1;
+    }
+    return 0;
 }

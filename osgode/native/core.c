@@ -150,7 +150,6 @@ int oo_body_new(oo_world *w) {
     if (!body->id) return OO_NO_MEMORY;
     dBodySetData(body->id, (void *)(size_t)w->body_count);
     body->thin = INFINITY;
-    body->kept = 1;
     count_live(&live.bodies, 1);
     oo_body_snap(w, w->body_count);
     return (int)w->body_count++;

@@ -50,7 +50,10 @@ typedef struct oo_body {
     dBodyID id;
     double com[3];      /* centre of mass (ODE's reference point) in the frame that the author placed */
     double thin;        /* half of its thinnest part, metres; infinite without geoms */
-    double kept;        /* of its motion in the last step, where it was stopped on its way */
+    double way[3];      /* of its centre of mass in the last step, if anything was too fast in it */
+    double moved[3];    /* the same, if it was not stopped on it */
+    int held;           /* it was stopped in the last step */
+    int watched;        /* for so many steps it is followed though it is slow */
     int tunnelling;     /* enum oo_tunnelling */
     int warned;         /* that it is too fast for its size: 1 to be told, 2 told */
     int settled;        /* it slept when its pose was written last, and both tables say the same */

@@ -52,7 +52,7 @@ static void multiply(double out[4], const double a[4], const double b[4]) {
 }
 
 /* out = v turned by q: v + 2 u x (u x v + w v) */
-static void rotate_by(double out[3], const double q[4], const double v[3]) {
+void rotate_by(double out[3], const double q[4], const double v[3]) {
     const double *u = q + 1;
     double t[3] = {u[1] * v[2] - u[2] * v[1] + q[0] * v[0], u[2] * v[0] - u[0] * v[2] + q[0] * v[1],
                    u[0] * v[1] - u[1] * v[0] + q[0] * v[2]};

@@ -122,6 +122,8 @@ static inline void cross(double *out, const double *a, const double *b) {
 /* The pose of the frame that the author placed, 7 doubles. */
 HIDDEN void write_pose(const oo_body *, double *row);
 HIDDEN void put_frame(const oo_body *, const double *row);
+/* A vector turned by a unit quaternion. */
+HIDDEN void rotate_by(double out[3], const double q[4], const double v[3]);
 
 /* Before and after the integration: the velocities of gliding bodies, and the poses that they reach. */
 HIDDEN void begin_glides(oo_world *);

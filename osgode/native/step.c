@@ -276,7 +276,7 @@ static int integrate(oo_world *w) {
 
 /* Without being followed it may go through what is thinner than it. */
 static void warn_if_too_fast(oo_world *w, oo_body *body) {
-    if (body->tunnelling || body->warned) return;
+    if (body->tunnelling || body->warned || dBodyIsKinematic(body->id)) return;
     const dReal *v = dBodyGetLinearVel(body->id);
     double thick = 2 * body->thin, way = w->step_size * w->step_size * dot(v, v);
     if (way <= thick * thick) return;
@@ -431,7 +431,7 @@ int oo_run(oo_world *w, unsigned int count) {
         if (w->bad_body >= 0) return OO_BAD_BODY;
         if (w->gear_count) count_gears(w);
         if (w->breakable_count) find_broken_joints(w);
-        if (w->event_count || w->broken_count) break;
+        if (w->event_count || w->broken_count || w->too_fast_count) break;
     }
     return (int)done;
 }

@@ -9,29 +9,46 @@
 
 #define LITTLE 0.01     /* of the thinnest part: how far it is put into what it hits */
 #define AT_MOST 1e-3
+#define WATCHED 30      /* steps after a stop: it may have been turned into the wall, and go on from there slowly */
 #define ROUNDED 0.1     /* of the thinnest part: how much edges and corners are rounded off */
 
 typedef struct follower {
     oo_world *world;
+    const oo_body *own;
     dBodyID body;
     unsigned int slot;      /* of the geom that is followed */
     shape shape;            /* where it was */
     shape middle;           /* its centre of mass, where that was */
     double motion[3], gap, thin;
+    double rounded;         /* of its shape's margin, what is rounded off or may sink in */
+    int pressed;            /* it touched something when the step began */
+    unsigned int other;     /* the slot of what is tried */
+    int met;                /* what came of touching that, or UNKNOWN */
     double touch;           /* the nearest so far */
     unsigned int touched;   /* the slot of what it touches there */
     int (*wanted)(void *, unsigned int slot); /* of a question: what counts, all of it standing still; NULL: of a step */
     void *asker;
-    double normal[3];
+    double normal[3], into; /* how far it is put into that */
+    double carried;         /* by that, along the normal, for the rest of the step */
+    double shift[3];        /* of what is tried */
     double low[3], high[3]; /* of all of its way */
 } follower;
 
+/* The way of the centre of mass in this step: the table still has the pose before it. Velocities don't tell, since
+   damping has slowed them down, and those of a glide that has arrived are 0. */
+static double find_motion(const oo_world *w, unsigned int index, double *out) {
+    const oo_body *own = &w->bodies[index];
+    const double *before = w->poses + 7 * index;
+    const dReal *now = dBodyGetPosition(own->id);
+    double arm[3];
+    rotate_by(arm, before + 3, own->com);
+    for (int k = 0; k < 3; k++) out[k] = now[k] - (before[k] + arm[k]);
+    return sqrt(dot(out, out));
+}
+
 static void displacement(const oo_world *w, dBodyID body, double *out) {
-    memset(out, 0, 3 * sizeof *out);
-    if (!body || !dBodyIsEnabled(body)) return;
-    const dReal *v = dBodyGetLinearVel(body);
-    const oo_body *own = &w->bodies[(size_t)dBodyGetData(body)];
-    for (int k = 0; k < 3; k++) out[k] = v[k] * w->step_size * own->kept; /* less where it was stopped on its way */
+    static const double still[3];
+    memcpy(out, body ? w->bodies[(size_t)dBodyGetData(body)].moved : still, 3 * sizeof *out);
 }
 
 /* 0 if it is no convex shape. */
@@ -76,7 +93,8 @@ static int describe(dGeomID geom, shape *s) {
     return 0;
 }
 
-/* The corners of a hull, in the world; to be freed. */
+/* The corners of a hull, or of a mesh as if it were one, in the world; to be freed. half[0] is how much can be rounded
+   off: no more than its faces go inwards when it is made smaller about the middle of its corners. */
 static int describe_hull(const oo_geom *geom, shape *s) {
     const oo_mesh *hull = geom->mesh;
     frame at = frame_of(geom->id);
@@ -87,24 +105,15 @@ static int describe_hull(const oo_geom *geom, shape *s) {
     s->kind = SHAPE_POINTS;
     s->points = points;
     s->count = (int)hull->vertex_count;
+    double middle[3] = {0, 0, 0}, nearest = INFINITY;
+    for (unsigned int i = 0; i < 3 * hull->vertex_count; i++) middle[i % 3] += hull->vertices[i] / hull->vertex_count;
+    for (unsigned int i = 0; hull->planes && i < hull->plane_count; i++)
+        nearest = fmin(nearest, hull->planes[4 * i + 3] - dot(hull->planes + 4 * i, middle));
+    if (isfinite(nearest)) s->half[0] = ROUNDED * fmax(nearest, 0);
     return OO_OK;
 }
 
 static int is_hull(const oo_geom *geom) { return geom->mesh && geom->mesh->planes; }
-
-/* A ball about a mesh that moves. */
-static void bounding_ball(dGeomID geom, shape *s) {
-    dReal box[6];
-    dGeomGetAABB(geom, box);
-    double squares = 0;
-    for (int k = 0; k < 3; k++) {
-        s->position[k] = (box[2 * k] + box[2 * k + 1]) / 2;
-        squares += (box[2 * k + 1] - box[2 * k]) * (box[2 * k + 1] - box[2 * k]) / 4;
-        s->rotation[5 * k] = 1;
-    }
-    s->kind = SHAPE_SEGMENT;
-    s->margin = sqrt(squares);
-}
 
 static void move_back(shape *s, const double *by) {
     if (s->kind == SHAPE_PLANE) return;
@@ -113,26 +122,74 @@ static void move_back(shape *s, const double *by) {
     for (int i = 0; i < 3 * s->count; i++) points[i] -= by[i % 3];
 }
 
-static void note(follower *f, double t, const double *normal) {
+enum { UNKNOWN, UNMET, REFUSED, PUSHED };
+
+/* What came of it in this step that two geoms touched when it began. */
+static int find_met(const follower *f) {
+    const oo_world *w = f->world;
+    int met = UNMET;
+    for (unsigned int i = 0; i < w->contact_count; i++) {
+        const oo_contact *row = &w->contacts[i];
+        if (!(row->slot1 == f->slot && row->slot2 == f->other) && !(row->slot1 == f->other && row->slot2 == f->slot)) continue;
+        if (row_acts(w, row)) return PUSHED;
+        met = REFUSED;
+    }
+    return met;
+}
+
+static void keep(follower *f, double t, const double *normal) {
     if (t >= f->touch) return;
     f->touch = t;
     memcpy(f->normal, normal, sizeof f->normal);
 }
 
+/* What a listener lets pass stops nothing. And where nothing came of it that it was stopped before, it goes on little by
+   little, until something does: into a hollow, whose hull it touched, or through the wrong side of a mesh. */
+static void note(follower *f, double t, const double *normal, double into) {
+    if (!(t <= 1 && t < f->touch)) return;
+    if (f->met == UNKNOWN) f->met = find_met(f);
+    if (f->met == REFUSED) return;
+    if (t == 0 && f->met == UNMET && f->own->held) {
+        t = f->thin / 2 / sqrt(dot(f->motion, f->motion));
+        into = 0;
+        if (t >= f->touch) return;
+    }
+    keep(f, t, normal);
+    f->into = into;
+    f->carried = (1 - t) * dot(f->shift, normal);
+}
+
+/* Whether more of it than may sink in would get there. */
+static int goes_into(const follower *f, const shape *other, const double *motion) {
+    shape core = f->shape;
+    double normal[3];
+    core.margin = fmax(core.margin - f->rounded, 0);
+    return first_touch(&core, motion, other, f->gap, normal) <= 1;
+}
+
+static int middle_meets(const follower *f, const shape *other, const double *motion) {
+    static const double here[3];
+    double normal[3];
+    if (shape_distance(&f->middle, here, other, normal) <= f->gap) return 0;
+    return first_touch(&f->middle, motion, other, f->gap, normal) <= 1;
+}
+
 /* A body that has hit with a corner turns, and its middle goes on as fast: what it touches already stops it too, if it
-   would go far into that. Along it, it may slide. */
+   would go far into that, or its middle through it. Along it, it may slide, from one triangle or tile of a floor to the
+   next. */
 static void try_shape(follower *f, const shape *other, const double *motion) {
     static const double here[3];
     double normal[3], distance = shape_distance(&f->shape, here, other, normal);
-    if (f->wanted && distance <= 0) {
-        note(f, 0, normal);
-    } else if (distance > f->gap || f->wanted) {
+    if (f->wanted) {
+        keep(f, distance > 0 ? first_touch(&f->shape, motion, other, f->gap, normal) : 0, normal);
+    } else if (distance > f->gap) {
         double t = first_touch(&f->shape, motion, other, f->gap, normal);
-        note(f, t, normal);
+        if (t <= 1 && (!f->pressed || goes_into(f, other, motion))) note(f, t, normal, 2 * f->gap);
     } else if (dot(normal, normal) > 0) {
-        if (-dot(motion, normal) > f->thin / 2) note(f, 0, normal);
-    } else if (shape_distance(&f->middle, here, other, normal) > f->gap) { /* too deep to tell which way is out */
-        if (first_touch(&f->middle, motion, other, f->gap, normal) <= 1) note(f, 0, normal);
+        int far = -dot(motion, normal) > f->thin / 2 && goes_into(f, other, motion);
+        if (far || middle_meets(f, other, motion)) note(f, 0, normal, fmax(distance + f->gap, 0));
+    } else if (middle_meets(f, other, motion)) { /* too deep to tell which way is out */
+        note(f, 0, normal, 0);
     }
 }
 
@@ -169,6 +226,9 @@ static void visit_heights(const field *f, const double *low, const double *high,
                 corner[c][1] = height_of(m, i + c % 2, j + c / 2);
                 corner[c][2] = (j + c / 2) * f->dz - f->depth / 2;
             }
+            double lowest = fmin(fmin(corner[0][1], corner[1][1]), fmin(corner[2][1], corner[3][1]));
+            double highest = fmax(fmax(corner[0][1], corner[1][1]), fmax(corner[2][1], corner[3][1]));
+            if (lowest > high[1] || highest < low[1]) continue;
             const double *lower[3] = {corner[0], corner[1], corner[2]}, *upper[3] = {corner[1], corner[2], corner[3]};
             visit(data, lower);
             visit(data, upper);
@@ -215,6 +275,10 @@ static void try_geom(void *data, unsigned int slot) {
         displacement(f->world, dGeomGetBody(geom->id), shift);
     }
     for (int k = 0; k < 3; k++) motion[k] = f->motion[k] - shift[k];
+    if (!isfinite(dot(motion, motion))) return; /* the step will say so */
+    memcpy(f->shift, shift, sizeof f->shift);
+    f->other = slot;
+    f->met = UNKNOWN;
     shape other;
     if (geom->mesh && !is_hull(geom)) {
         if (try_surface(f, geom, shift, motion)) f->world->out_of_memory = 1;
@@ -255,6 +319,7 @@ static void find_way(follower *f) {
 
 /* A little smaller, with a margin that makes up for it: how deep it is in something can be told within the margin. */
 static void round_off(shape *s, double by) {
+    if (s->kind == SHAPE_POINTS && by <= 0) return;
     double middle[3] = {0, 0, 0}, *points = (double *)s->points;
     for (int k = 0; k < 3; k++) s->half[k] = fmax(s->half[k] - by, 0);
     for (int i = 0; i < 3 * s->count; i++) middle[i % 3] += points[i] / s->count;
@@ -267,16 +332,16 @@ static void follow_geom(follower *f, const oo_geom *geom, int as_point) {
     if (as_point) {
         *s = f->middle;
     } else {
-        int status = OO_OK;
-        if (is_hull(geom))
-            status = describe_hull(geom, s);
-        else if (!describe(geom->id, s))
-            bounding_ball(geom->id, s);
-        if (status) {
-            f->world->out_of_memory = 1;
+        if (geom->mesh) {
+            if (describe_hull(geom, s)) {
+                f->world->out_of_memory = 1;
+                return;
+            }
+        } else if (!describe(geom->id, s)) {
             return;
         }
-        if (s->margin == 0) round_off(s, ROUNDED * f->thin);
+        f->rounded = s->kind == SHAPE_POINTS ? fmin(s->half[0], ROUNDED * f->thin) : ROUNDED * f->thin;
+        if (s->margin == 0) round_off(s, f->rounded);
         move_back(s, f->motion);
     }
     find_way(f);
@@ -284,9 +349,16 @@ static void follow_geom(follower *f, const oo_geom *geom, int as_point) {
     if (s->kind == SHAPE_POINTS) free((void *)s->points);
 }
 
+static int has_contacts(dBodyID body) {
+    for (int i = 0; i < dBodyGetNumJoints(body); i++)
+        if (dJointGetType(dBodyGetJoint(body, i)) == dJointTypeContact) return 1;
+    return 0;
+}
+
 static void follow_body(oo_world *w, oo_body *own) {
-    follower f = {.world = w, .body = own->id, .touch = 2, .thin = own->thin, .gap = fmin(LITTLE * own->thin, AT_MOST)};
-    displacement(w, own->id, f.motion);
+    follower f = {.world = w, .own = own, .body = own->id, .touch = 2, .thin = own->thin,
+                  .gap = fmin(LITTLE * own->thin, AT_MOST), .pressed = has_contacts(own->id)};
+    memcpy(f.motion, own->way, sizeof f.motion);
     const dReal *p = dBodyGetPosition(own->id);
     f.middle.kind = SHAPE_SEGMENT;
     for (int k = 0; k < 3; k++) {
@@ -299,37 +371,46 @@ static void follow_body(oo_world *w, oo_body *own) {
         if (!dGeomIsEnabled(geom) || !dGeomGetSpace(geom) || w->geoms[f.slot].flags & (OO_SENSOR | OO_IS_RAY)) continue;
         follow_geom(&f, &w->geoms[f.slot], as_point);
     }
-    if (f.touch > 1) return;
+    own->held = f.touch <= 1;
+    own->watched = own->held ? WATCHED : own->watched - (own->watched > 0);
+    if (!own->held) return;
     /* A little into what it hits; the centre of mass alone stops before it, by most of the body's thickness. */
-    double into = as_point ? (ROUNDED - 1) * f.thin : f.touch > 0 ? 2 * f.gap : 0, at[3];
-    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] - into * f.normal[k];
+    double into = as_point ? (ROUNDED - 1) * f.thin : f.into, at[3];
+    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] + (f.carried - into) * f.normal[k];
     dBodySetPosition(own->id, at[0], at[1], at[2]);
-    own->kept = f.touch;
+    for (int k = 0; k < 3; k++) own->moved[k] = at[k] - f.middle.position[k];
 }
 
-static int is_fast(const oo_world *w, const oo_body *body) {
-    if (!body->tunnelling || !dBodyIsEnabled(body->id) || dBodyIsKinematic(body->id)) return 0;
-    const dReal *v = dBodyGetLinearVel(body->id);
-    double way = w->step_size * sqrt(dot(v, v));
-    return way > body->thin / 2;
+static int is_fast(oo_world *w, unsigned int index) {
+    oo_body *body = &w->bodies[index];
+    if (!body->tunnelling || dBodyIsKinematic(body->id)) return 0;
+    double way = find_motion(w, index, body->way);
+    if (!(way <= 2 * POSITION_LIMIT)) return 0; /* it is about to be complained of */
+    return way > body->thin / 2 || body->watched;
 }
 
 int stop_fast_bodies(oo_world *w) {
-    int asked = 0;
-    for (unsigned int i = 0; i < w->body_count; i++) {
-        oo_body *body = &w->bodies[i];
-        body->kept = 1;
-        if (!is_fast(w, body)) continue;
-        if (!asked++ && begin_queries(w, 1)) return OO_NO_MEMORY;
+    int fast = 0;
+    for (unsigned int i = 0; i < w->body_count && !fast; i++) fast = is_fast(w, i);
+    if (!fast) {
+        for (unsigned int i = 0; i < w->body_count; i++) w->bodies[i].held = 0;
+        return OO_OK;
     }
-    if (!asked) return OO_OK;
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        find_motion(w, i, w->bodies[i].way);
+        memcpy(w->bodies[i].moved, w->bodies[i].way, sizeof w->bodies[i].moved);
+    }
+    if (begin_queries(w, 1)) return OO_NO_MEMORY;
     if (guard_enter()) {
         end_queries(w);
         return OO_ASSERT;
     }
     w->out_of_memory = 0;
     for (unsigned int i = 0; i < w->body_count; i++)
-        if (is_fast(w, &w->bodies[i])) follow_body(w, &w->bodies[i]);
+        if (w->bodies[i].tunnelling == OO_TUNNEL || !is_fast(w, i))
+            w->bodies[i].held = 0;
+        else
+            follow_body(w, &w->bodies[i]);
     guard_leave();
     end_queries(w);
     return w->out_of_memory ? OO_NO_MEMORY : OO_OK;

@@ -320,6 +320,8 @@ class Geom(Listening):
             lib.oo_wake_touching(self._realm.ptr, self._slot)  # what a solid thing bears, it bears no longer
             self._flag(lib.OO_SENSOR, on=self.sensor)
             lib.oo_wake_touching(self._realm.ptr, self._slot)  # what is in a thing that becomes solid is in its way
+            if (body := self.body) is not None:
+                body._measure()
 
     def _marked(self) -> None:
         if self._realm is not None:

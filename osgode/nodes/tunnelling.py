@@ -40,5 +40,6 @@ class Tunnelling(Gliding):
         self._measure()
 
     def _measure(self) -> None:
-        thinnest = min((geom._half_thickness() for geom in self.geoms), default=math.inf)
+        solid = (geom for geom in self.geoms if not geom.sensor) if self.space is not None else ()
+        thinnest = min((geom._half_thickness() for geom in solid), default=math.inf)
         self._live("measuring it").ptr.bodies[self._index].thin = thinnest

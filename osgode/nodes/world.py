@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import weakref
 from typing import TYPE_CHECKING, Any, Self, Unpack
 
@@ -262,7 +263,7 @@ class World(Listening, Queries, WorldSettings, Group):
                     "%s moves %.3g m in a step and is %.3g m thick: it may pass through things. "
                     "Set tunnelling='sweep', or a smaller step size.",
                     body.describe(),
-                    body.linear_velocity.length * self.step_size,
+                    math.hypot(*ffi.unpack(lib.dBodyGetLinearVel(body._id), 3)) * self.step_size,
                     2 * realm.ptr.bodies[body._index].thin,
                 )
 

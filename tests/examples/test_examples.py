@@ -54,7 +54,19 @@ def screen():
 
 
 def test_the_examples_are_found():
-    assert {"crates", "hammer", "door", "heap", "lift", "terrain", "chain", "ragdoll", "buggy"} <= set(NAMES)
+    assert {
+        "crates",
+        "hammer",
+        "door",
+        "heap",
+        "lift",
+        "terrain",
+        "chain",
+        "ragdoll",
+        "buggy",
+        "bullets",
+        "billiards",
+    } <= set(NAMES)
 
 
 def test_a_module_is_one_example_that_says_what_it_shows_checks_itself_and_has_a_main(module):
