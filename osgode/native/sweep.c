@@ -167,9 +167,8 @@ static int goes_into(const follower *f, const shape *other, const double *motion
     return first_touch(&core, motion, other, f->gap, normal) <= 1;
 }
 
-static int middle_meets(const follower *f, const shape *other, const double *motion) {
+static int middle_meets(const follower *f, const shape *other, const double *motion, double *normal) {
     static const double here[3];
-    double normal[3];
     if (shape_distance(&f->middle, here, other, normal) <= f->gap) return 0;
     return first_touch(&f->middle, motion, other, f->gap, normal) <= 1;
 }
@@ -187,8 +186,9 @@ static void try_shape(follower *f, const shape *other, const double *motion) {
         if (t <= 1 && (!f->pressed || goes_into(f, other, motion))) note(f, t, normal, 2 * f->gap);
     } else if (dot(normal, normal) > 0) {
         int far = -dot(motion, normal) > f->thin / 2 && goes_into(f, other, motion);
-        if (far || middle_meets(f, other, motion)) note(f, 0, normal, fmax(distance + f->gap, 0));
-    } else if (middle_meets(f, other, motion)) { /* too deep to tell which way is out */
+        double way_out[3];
+        if (far || middle_meets(f, other, motion, way_out)) note(f, 0, normal, fmax(distance + f->gap, 0));
+    } else if (middle_meets(f, other, motion, normal)) { /* too deep to tell which way is out */
         note(f, 0, normal, 0);
     }
 }
