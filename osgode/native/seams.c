@@ -233,7 +233,8 @@ int collide_mesh(const oo_geom *a, const oo_geom *b, int most, dContactGeom *row
     }
     near_triangles near = {.count = 0};
     spot spots[MOST_NEAR];
-    if (triangles_in(mesh->mesh, low, high, add_triangle, &near)) return collide_pair(a, b, most, rows, sizeof *rows);
+    if (triangles_in(mesh->mesh, low, high, add_triangle, &near) || near.count == MOST_NEAR)
+        return collide_pair(a, b, most, rows, sizeof *rows);
     int count = meet_sphere(&near, c, r, spots);
     if (count > most) count = most;
     for (int i = 0; i < count; i++) {
