@@ -325,6 +325,70 @@ static int merge(dContactGeom *rows, int count, double size) {
     return kept;
 }
 
+static double distance_to_segment(const double *p, const double *a, const double *b) {
+    double d[2] = {b[0] - a[0], b[1] - a[1]}, square = d[0] * d[0] + d[1] * d[1];
+    double t = square > 0 ? ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / square : 0;
+    t = fmin(fmax(t, 0), 1);
+    return hypot(p[0] - a[0] - t * d[0], p[1] - a[1] - t * d[1]);
+}
+
+/* Only corners that stand out. */
+static void straighten(outline *o, double slack) {
+    while (o->count > 2) {
+        int least = 0;
+        double out = INFINITY;
+        for (int i = 0; i < o->count; i++) {
+            const double *before = o->corners[(i + o->count - 1) % o->count], *after = o->corners[(i + 1) % o->count];
+            double here = distance_to_segment(o->corners[i], before, after);
+            if (here >= out) continue;
+            out = here;
+            least = i;
+        }
+        if (out > slack) return;
+        o->count--;
+        memmove(o->corners[least], o->corners[least + 1], (size_t)(o->count - least) * sizeof *o->corners);
+    }
+}
+
+static int one_plane(const dContactGeom *a, const dContactGeom *b, double size) {
+    if (dot(a->normal, b->normal) < 1 - 1e-8) return 0;
+    double way[3];
+    for (int k = 0; k < 3; k++) way[k] = a->pos[k] - b->pos[k];
+    return fabs(dot(way, a->normal)) < 1e-3 * size && fabs(a->depth - b->depth) < 0.1 * size;
+}
+
+/* Of contacts in one plane those in the middle of others hold nothing that the outer ones don't. */
+static int keep_outer(dContactGeom *rows, int count, double size) {
+    char group[PLENTY_OF_ROWS] = {0}, drop[PLENTY_OF_ROWS] = {0};
+    for (int i = 0; i < count; i++) {
+        if (group[i]) continue;
+        int members[MOST_CORNERS], n = 0;
+        double u[3], v[3], places[MOST_CORNERS][2], sorted[MOST_CORNERS][2];
+        axes_across(rows[i].normal, u, v);
+        for (int k = i; k < count && n < MOST_CORNERS; k++) {
+            if (group[k] || !one_plane(&rows[i], &rows[k], size)) continue;
+            group[k] = 1;
+            places[n][0] = dot(u, rows[k].pos);
+            places[n][1] = dot(v, rows[k].pos);
+            members[n++] = k;
+        }
+        if (n < 3) continue;
+        outline outer;
+        memcpy(sorted, places, sizeof sorted);
+        outline_of(sorted, n, &outer);
+        straighten(&outer, 1e-3 * size);
+        for (int m = 0; m < n; m++) {
+            int stays = 0;
+            for (int k = 0; k < outer.count && !stays; k++) stays = !memcmp(outer.corners[k], places[m], sizeof *places);
+            drop[members[m]] = !stays;
+        }
+    }
+    int kept = 0;
+    for (int i = 0; i < count; i++)
+        if (!drop[i]) rows[kept++] = rows[i];
+    return kept;
+}
+
 static void swap_rows(dContactGeom *a, dContactGeom *b) {
     dContactGeom kept = *a;
     *a = *b;
@@ -350,7 +414,7 @@ static void put_best_first(dContactGeom *rows, int count, int most, double size)
 }
 
 static int thin_out(dContactGeom *rows, int count, int most, double size) {
-    count = merge(rows, count, size);
+    count = keep_outer(rows, merge(rows, count, size), size);
     if (count <= most) return count;
     put_best_first(rows, count, most, size);
     return most;

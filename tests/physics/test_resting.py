@@ -168,29 +168,54 @@ def test_contacts_of_what_lies_nearly_flat_lie_on_both_surfaces(kind, ground, tu
 # -- fewer, by what they span
 
 
-@pytest.mark.parametrize("most", [4, 8])
-def test_of_too_many_contacts_those_stay_that_span_the_most(most):
+@pytest.mark.parametrize("most", [4, 8, 1000])
+def test_on_a_flat_mesh_a_box_has_the_contacts_of_a_plane(most):
+    """Hundreds of triangles below it, and one contact for each of its corners."""
     world, space = empty(gravity=(0, 0, 0), contacts_per_pair=most)
-    stand(space, oo.Trimesh(sheet(140, 20)))
+    stand(space, oo.Trimesh(sheet(140, 20, 0.2)))
     put(space, oo.Box((1, 0.5, 1), mass=1), (3.03, 0.249, 0.02))
     world.step()
     points, normals, depths = rows(world)
-    assert len(points) == most
-    assert normals == pytest.approx(np.array([(0, 1, 0)] * most), abs=1e-9)
+    corners = sorted(itertools.product((2.53, 3.53), (-0.48, 0.52)))
+    assert np.array(sorted(points[:, [0, 2]].round(9).tolist())) == pytest.approx(np.array(corners))
+    assert normals == pytest.approx(np.array([(0, 1, 0)] * 4), abs=1e-9)
     assert depths == pytest.approx(0.001)
-    for corner in itertools.product((2.53, 3.53), (-0.48, 0.52)):
-        assert min(math.dist(corner, p) for p in points[:, [0, 2]].tolist()) < 0.15
+
+
+def dome(x, z):
+    """A sphere's top of radius 20, hollow, below (3, 0)."""
+    return 20 - np.sqrt(400 - (x - 3) ** 2 - z**2)
+
+
+@pytest.mark.parametrize("most", [3, 4, 6])
+def test_of_too_many_contacts_those_stay_that_span_the_most(most):
+    """In a hollow a box stands on its edges all around: what is kept encloses its middle."""
+    world, space = empty(gravity=(0, 0, 0), contacts_per_pair=1000)
+    stand(space, oo.Trimesh(sheet(140, 20, height=dome)))
+    put(space, oo.Box((1, 0.5, 1), mass=1), (3, 0.26, 0), kinematic=True)
+    world.step()
+    all_points, _, all_depths = rows(world)
+    assert len(all_points) > most
+    world.contacts_per_pair = most
+    world.step()
+    points, _, depths = rows(world)
+    assert len(points) == most
+    assert depths.max() == pytest.approx(all_depths.max())  # the deepest is among them
+    for point in points.tolist():
+        assert min(math.dist(point, p) for p in all_points.tolist()) < 1e-6  # none is made up
+    assert np.ptp(points[:, 0]) > 0.9
+    assert np.ptp(points[:, 2]) > 0.9
 
 
 def test_no_two_contacts_are_one():
     world, space = empty(gravity=(0, 0, 0), contacts_per_pair=1000)
-    stand(space, oo.Trimesh(sheet(28, 4)))
-    put(space, oo.Box((1, 0.5, 1), mass=1), (3, 0.249, 0))
+    stand(space, oo.Trimesh(sheet(140, 20, height=dome)))
+    put(space, oo.Box((1, 0.5, 1), mass=1), (3, 0.26, 0), kinematic=True)
     world.step()
-    points, _, _ = rows(world)
-    apart = [math.dist(p, q) for p, q in itertools.combinations(points.tolist(), 2)]
-    assert len(points) >= 9  # its corners, and those of the mesh below it
-    assert min(apart) > 1e-3
+    geom = world.contacts["geom"]
+    table = np.concatenate([geom["pos"][:, :3], geom["normal"][:, :3]], axis=1).tolist()
+    assert len(table) > 4
+    assert min(math.dist(p, q) for p, q in itertools.combinations(table, 2)) > 1e-3
 
 
 # -- at rest
@@ -254,7 +279,7 @@ def test_nothing_gains_energy_from_contacts(thing, ground, seed):
     GROUNDS[ground](space)
     q = random.normal(size=4)
     body = put(space, THINGS[thing][0](), (0, 1.2, 0), oo.Quat(*(q / np.linalg.norm(q))))
-    inertia = body.mass.inertia
+    inertia = body.mass_properties.inertia
     start = energy(body, inertia)
     for _ in range(240):
         world.step()
