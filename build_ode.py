@@ -6,7 +6,20 @@ from cffi import FFI
 
 NATIVE = Path("osgode") / "native"
 UNITS = (
-    *("support", "core", "glide", "geoms", "heightfield", "terrain", "polytope", "collide", "joints", "gears"),
+    *(
+        "support",
+        "core",
+        "glide",
+        "geoms",
+        "heightfield",
+        "terrain",
+        "polytope",
+        "collide",
+        "contacts",
+        "seams",
+        "joints",
+        "gears",
+    ),
     *("boxtree", "broad", "step", "queries", "gjk", "triangles", "sweep"),
 )
 HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "shapes.h", "ode.cdef")

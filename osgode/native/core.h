@@ -149,6 +149,7 @@ typedef struct oo_world {
     double step_size;
     int exact;                      /* dWorldStep instead of dWorldQuickStep */
     unsigned int max_contacts;      /* per pair of geoms, 1 to 65535 */
+    int refines;                    /* contacts are osgode's own where ODE's are poor, unless with ode_broad */
     unsigned long seed;             /* of the solver's random row order */
     unsigned long long steps;
     int broken;

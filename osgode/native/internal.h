@@ -80,12 +80,33 @@ typedef struct polytope {
 /* A mesh or hull has its data, a box NULL. A mesh that is no hull has no planes. */
 HIDDEN void polytope_of(dGeomID, const oo_mesh *, polytope *);
 
+enum { MOST_CORNERS = 96 };
+typedef struct outline { /* what it turns towards the other, seen along a direction; counter-clockwise */
+    double corners[MOST_CORNERS][2];
+    int count;
+} outline;
+/* Sorts the points; at most MOST_CORNERS of them. */
+HIDDEN void outline_of(double (*points)[2], int count, outline *);
+/* Above 0 if b is to the left of the way from o to a. */
+HIDDEN double side_of(const double *o, const double *a, const double *b);
+/* Two directions that stand square to n and to each other. */
+HIDDEN void axes_across(const double *n, double *u, double *v);
+
 /* How two hulls, or a hull and a box, meet. */
 HIDDEN int collide_polytopes(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
 
 /* What dCollide does, and what it should do: ODE's rays miss solid hulls, its hulls jitter, and its meshes
    sink into heightfields. */
 HIDDEN int collide_pair(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
+
+enum { PLENTY_OF_ROWS = 512 };
+/* The same with contacts that let things lie still and roll over meshes; of too many, those that span the most. */
+HIDDEN int collide_well(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
+/* Its part for pairs with a mesh, without a limit to speak of. */
+HIDDEN int collide_mesh(const oo_geom *, const oo_geom *, int most, dContactGeom *rows);
+/* Where a geom lies flat on a triangle (in the world) with this normal, no deeper than that; rows have sign * n. */
+HIDDEN int lie_on_triangle(const oo_geom *, const double (*t)[3], const double *n, double deepest, double sign, int most,
+                           dContactGeom *rows);
 
 static inline dContactGeom *row_at(dContactGeom *rows, int index, int skip) {
     return (dContactGeom *)((char *)rows + (size_t)index * (size_t)skip);

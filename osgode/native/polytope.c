@@ -4,12 +4,7 @@
 
 #include "internal.h"
 
-enum { MOST_CORNERS = 96, MOST_SPOTS = 512, MOST_KEPT = 8 };
-
-typedef struct outline { /* what it turns towards the other, seen along the direction */
-    double corners[MOST_CORNERS][2];
-    int count;
-} outline;
+enum { MOST_SPOTS = 512, MOST_KEPT = 8 };
 
 typedef struct spot {
     double x[2], middle, depth, apart;
@@ -77,12 +72,12 @@ static int by_place(const void *a, const void *b) {
     return p[1] < q[1] ? -1 : p[1] > q[1];
 }
 
-static double side(const double *o, const double *a, const double *b) {
+double side_of(const double *o, const double *a, const double *b) {
     return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
 }
 
 /* The convex outline of points of the plane (A. M. Andrew's monotone chain, 1979). */
-static void outline_of(double (*points)[2], int count, outline *out) {
+void outline_of(double (*points)[2], int count, outline *out) {
     qsort(points, (size_t)count, sizeof *points, by_place);
     double chain[2 * MOST_CORNERS][2];
     int n = 0;
@@ -90,7 +85,7 @@ static void outline_of(double (*points)[2], int count, outline *out) {
         int start = n;
         for (int k = 0; k < count; k++) {
             const double *p = points[pass ? count - 1 - k : k];
-            while (n >= start + 2 && side(chain[n - 2], chain[n - 1], p) <= 0) n--;
+            while (n >= start + 2 && side_of(chain[n - 2], chain[n - 1], p) <= 0) n--;
             memcpy(chain[n++], p, sizeof *chain);
         }
         n--; /* the last is the first of the other half */
@@ -154,8 +149,8 @@ static void try_crossings(const polytope *a, const polytope *b, meeting *m, cons
         for (int j = 0; j < other->count; j++) {
             const double *p = one->corners[i], *q = one->corners[(i + 1) % one->count];
             const double *r = other->corners[j], *s = other->corners[(j + 1) % other->count];
-            double before = side(r, s, p), after = side(r, s, q);
-            if (before * after >= 0 || side(p, q, r) * side(p, q, s) >= 0) continue;
+            double before = side_of(r, s, p), after = side_of(r, s, q);
+            if (before * after >= 0 || side_of(p, q, r) * side_of(p, q, s) >= 0) continue;
             double t = before / (before - after), x[2] = {p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])};
             try_spot(a, b, m, x);
         }
@@ -171,13 +166,13 @@ static spot *next_spot(meeting *m, const spot *taken) {
     return best;
 }
 
-static void set_axes(meeting *m) {
-    int k = fabs(m->n[0]) < 0.6 ? 0 : 1; /* an axis well aside from n */
-    double axis[3] = {k == 0, k == 1, 0}, along = dot(axis, m->n);
-    for (int c = 0; c < 3; c++) m->u[c] = axis[c] - along * m->n[c];
-    double length = sqrt(dot(m->u, m->u));
-    for (int c = 0; c < 3; c++) m->u[c] /= length;
-    for (int c = 0; c < 3; c++) m->v[c] = m->n[(c + 1) % 3] * m->u[(c + 2) % 3] - m->n[(c + 2) % 3] * m->u[(c + 1) % 3];
+void axes_across(const double *n, double *u, double *v) {
+    int k = fabs(n[0]) < 0.6 ? 0 : 1; /* an axis well aside from n */
+    double axis[3] = {k == 0, k == 1, 0}, along = dot(axis, n);
+    for (int c = 0; c < 3; c++) u[c] = axis[c] - along * n[c];
+    double length = sqrt(dot(u, u));
+    for (int c = 0; c < 3; c++) u[c] /= length;
+    for (int c = 0; c < 3; c++) v[c] = n[(c + 1) % 3] * u[(c + 2) % 3] - n[(c + 2) % 3] * u[(c + 1) % 3];
 }
 
 int collide_polytopes(const oo_geom *first, const oo_geom *second, int most, dContactGeom *rows, int skip) {
@@ -197,7 +192,7 @@ int collide_polytopes(const oo_geom *first, const oo_geom *second, int most, dCo
     double tall_a = -lowest(&a, back) - lowest(&a, m.n), tall_b = -lowest(&b, back) - lowest(&b, m.n);
     m.size = fmin(tall_a, tall_b);
     m.count = 0;
-    set_axes(&m);
+    axes_across(m.n, m.u, m.v);
     outline low, high;
     face_towards(&a, &m, m.n, depth + 0.05 * m.size, &low);
     face_towards(&b, &m, back, depth + 0.05 * m.size, &high);

@@ -12,6 +12,7 @@ from osgode.fields import (
     SMALLEST,
     Check,
     Field,
+    FlagField,
     NumberField,
     VectorField,
     WholeField,
@@ -82,6 +83,7 @@ class WorldFields(TypedDict, total=False):
     contact_max_correcting_velocity: float
     contacts_per_pair: int
     broad_phase: str
+    refine_contacts: bool
     seed: int
     auto_disable: bool
     auto_disable_linear_threshold: float
@@ -159,6 +161,14 @@ class WorldSettings(PhysicsNode):
         lambda world, value: setattr(world._live("broad_phase").ptr, "ode_broad", value == "ode"),
         doc="What finds the pairs that may touch: 'own' leaves out those in which nothing can move; 'ode' walks ODE's "
         "spaces, bit for bit as a C program does.",
+    )
+    refine_contacts = FlagField(
+        True,
+        FLAG,
+        lambda world: bool(world._live("refine_contacts").ptr.refines),
+        lambda world, value: setattr(world._live("refine_contacts").ptr, "refines", int(value)),
+        doc="Whether what lies flat gets as many contacts as it needs, and nothing trips over the seams of a mesh; "
+        "without effect where `broad_phase` is 'ode'.",
     )
     seed = WholeField(
         0, whole(0, 0xFFFFFFFF), _get_native("seed"), _set_native("seed"), doc="Of the quick solver's order of rows."

@@ -69,7 +69,7 @@ class Twin:
     """One of several worlds to which the same is done."""
 
     def __init__(self, mode, space_plan, pairs):
-        self.world = oo.World(gravity=(0, 0, 0), broad_phase=mode, contacts_per_pair=8)
+        self.world = oo.World(gravity=(0, 0, 0), broad_phase=mode, contacts_per_pair=8, refine_contacts=False)
         self.spaces = []
         for cls, above in space_plan:
             parent = self.spaces[above % len(self.spaces)] if above is not None and self.spaces else self.world
