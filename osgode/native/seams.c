@@ -77,14 +77,16 @@ typedef struct spot {
     int on_edge;
 } spot;
 
-static int by_distance(const void *a, const void *b) {
+/* Those within first: an edge may seem as near for rounding, with a normal that leans. */
+static int by_place(const void *a, const void *b) {
     const spot *p = a, *q = b;
+    if (p->on_edge != q->on_edge) return p->on_edge - q->on_edge;
     if (p->away != q->away) return p->away < q->away ? -1 : 1;
     return memcmp(p->p, q->p, sizeof p->p);
 }
 
 /* Every triangle that is nearest to the middle somewhere inside of it; and points of edges only if they stand out above the
-   tangents at all points that are nearer: others are seams, or lie beyond a ridge. */
+   tangents at those and at all nearer ones: others are seams, or lie beyond a ridge. */
 static int meet_sphere(const near_triangles *near, const double *c, double r, spot *spots) {
     int count = 0, kept = 0;
     for (int i = 0; i < near->count; i++) {
@@ -102,7 +104,7 @@ static int meet_sphere(const near_triangles *near, const double *c, double r, sp
         if (!inside && away > 1e-6 * r)
             for (int k = 0; k < 3; k++) s->n[k] = way[k] / away;
     }
-    qsort(spots, (size_t)count, sizeof *spots, by_distance);
+    qsort(spots, (size_t)count, sizeof *spots, by_place);
     for (int i = 0; i < count; i++) {
         int hidden = 0;
         for (int k = 0; k < kept && !hidden; k++) {
