@@ -413,8 +413,18 @@ static void put_best_first(dContactGeom *rows, int count, int most, double size)
     }
 }
 
+int merge_rows(dContactGeom *rows, int count, double size) {
+    int before;
+    count = merge(rows, count, size);
+    do {
+        before = count;
+        count = keep_outer(rows, count, size);
+    } while (before > MOST_CORNERS && count < before); /* a plane may have had more than it looks at in one go */
+    return count;
+}
+
 static int thin_out(dContactGeom *rows, int count, int most, double size) {
-    count = keep_outer(rows, merge(rows, count, size), size);
+    count = merge_rows(rows, count, size);
     if (count <= most) return count;
     put_best_first(rows, count, most, size);
     return most;

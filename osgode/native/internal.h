@@ -100,6 +100,9 @@ HIDDEN int collide_polytopes(const oo_geom *, const oo_geom *, int most, dContac
 HIDDEN int collide_pair(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
 
 enum { PLENTY_OF_ROWS = 512 };
+
+/* Without those that others make needless: the same, or in the middle of others. size: of the smaller thing. */
+HIDDEN int merge_rows(dContactGeom *, int count, double size);
 /* The same with contacts that let things lie still and roll over meshes; of too many, those that span the most. */
 HIDDEN int collide_well(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
 /* Its part for pairs with a mesh, without a limit to speak of. */

@@ -183,7 +183,7 @@ static void box_in_mesh(const frame *at, dGeomID id, double *low, double *high) 
 static int lie_on_mesh(const oo_geom *mesh, const oo_geom *other, double side, dContactGeom *rows, int count, int most) {
     frame at = frame_of(mesh->id);
     double low[3], high[3], n[3];
-    int deepest = 0, kept = 0, found = 0;
+    int deepest = 0, kept = 0, found = 0, many = MOST_NEAR / 2;
     for (int i = 1; i < count; i++)
         if (rows[i].depth > rows[deepest].depth) deepest = i;
     for (int k = 0; k < 3; k++) n[k] = side * rows[deepest].normal[k];
@@ -197,6 +197,10 @@ static int lie_on_mesh(const oo_geom *mesh, const oo_geom *other, double side, d
         double t[3][3], face[3];
         for (int k = 0; k < 3; k++) to_world(&at, near.corners[i][k], t[k]);
         if (!face_normal(t, face) || dot(face, n) < SAME_WAY) continue;
+        if (found > many) {
+            found = merge_rows(flat, found, size);
+            if (found > many / 2) many = (found + MOST_NEAR) / 2;
+        }
         found += lie_on_triangle(other, t, face, limit, side, MOST_NEAR - found, flat + found);
     }
     if (!found) return count;

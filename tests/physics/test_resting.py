@@ -134,7 +134,9 @@ def cylinder_distance(point, radius, length):
     st.floats(1e-4, 5e-3),
 )
 @settings(max_examples=150)
-def test_contacts_of_what_lies_nearly_flat_lie_on_both_surfaces(kind, ground, turn, x, z, tilt, sunk):
+def test_contacts_of_what_lies_nearly_flat_lie_on_both_surfaces(  # noqa: PLR0917
+    kind, ground, turn, x, z, tilt, sunk
+):
     """A contact is half its depth from each surface, along the normal; no surface is farther from it than that.
 
     The deepest point of a line that is tilted by t against a normal is off by r t^2 / 2 at most.
@@ -168,16 +170,17 @@ def test_contacts_of_what_lies_nearly_flat_lie_on_both_surfaces(kind, ground, tu
 # -- fewer, by what they span
 
 
+@pytest.mark.parametrize("cells", [(56, 8), (140, 20)])
 @pytest.mark.parametrize("most", [4, 8, 1000])
-def test_on_a_flat_mesh_a_box_has_the_contacts_of_a_plane(most):
-    """Dozens of triangles below it, and one contact for each of its corners."""
+def test_on_a_flat_mesh_a_box_has_the_contacts_of_a_plane(most, cells):
+    """Dozens or hundreds of triangles below it, and one contact for each of its corners, to a thousandth of its size."""
     world, space = empty(gravity=(0, 0, 0), contacts_per_pair=most)
-    stand(space, oo.Trimesh(sheet(56, 8, 0.2)))
+    stand(space, oo.Trimesh(sheet(*cells, 0.2)))
     put(space, oo.Box((1, 0.5, 1), mass=1), (3.03, 0.249, 0.02))
     world.step()
     points, normals, depths = rows(world)
     corners = sorted(itertools.product((2.53, 3.53), (-0.48, 0.52)))
-    assert np.array(sorted(points[:, [0, 2]].round(9).tolist())) == pytest.approx(np.array(corners))
+    assert np.array(sorted(points[:, [0, 2]].round(2).tolist())) == pytest.approx(np.array(corners))
     assert normals == pytest.approx(np.array([(0, 1, 0)] * 4), abs=1e-9)
     assert depths == pytest.approx(0.001)
 
