@@ -292,6 +292,7 @@ OUTSIDE: dict[str, list[Any]] = {
     "cfm": [0.0, -1e-9, 1e-320, 1e-13, INF],
     "solver": ["Quick", "", 1],
     "broad_phase": ["Own", "hash", 0],
+    "refine_contacts": [0, 1, "yes", 0.5],
     "iterations": [0, -1, 10_001, 2_000_000_000, 2.5, INF],
     "over_relaxation": [0.0, -1.0, 2.0, 50.0, INF],
     "contact_surface_layer": [-1e-9, 2e3, INF],

@@ -347,10 +347,12 @@ def test_a_box_slides_over_a_flat_mesh_without_tripping(name):
     assert box.linear_velocity.x == pytest.approx(4, abs=1e-2)
 
 
-@pytest.mark.xfail(strict=True, reason="it drifts by 6 mm in 10 m")
 def test_a_ball_rolls_along_a_gutter():
-    """Its lowest line is the edge between two facets, which lean by z / R against each other."""
-    world, space = empty(step_size=1 / 200)
+    """Its lowest line is the edge between two facets, which lean by z / R against each other.
+
+    The quick solver takes the two contacts one after the other, and drifts by 6 mm in 10 m.
+    """
+    world, space = empty(step_size=1 / 200, solver="exact")
     mesh = sheet(56, 16, height=lambda x, z: 0.5 * z**2 + 0 * x)
     stand(space, oo.Trimesh(mesh))
     ball = put(space, oo.Sphere(0.2, mass=1), (0, 0.2, 0), linear_velocity=(4, 0, 0), angular_velocity=(0, 0, -20))
