@@ -173,7 +173,7 @@ def test_contacts_of_what_lies_nearly_flat_lie_on_both_surfaces(  # noqa: PLR091
 @pytest.mark.parametrize("cells", [(56, 8), (140, 20)])
 @pytest.mark.parametrize("most", [4, 8, 1000])
 def test_on_a_flat_mesh_a_box_has_the_contacts_of_a_plane(most, cells):
-    """Dozens or hundreds of triangles below it, and one contact for each of its corners, to a thousandth of its size."""
+    """Dozens or hundreds of triangles below it, and a contact for each of its corners, to a thousandth of its size."""
     world, space = empty(gravity=(0, 0, 0), contacts_per_pair=most)
     stand(space, oo.Trimesh(sheet(*cells, 0.2)))
     put(space, oo.Box((1, 0.5, 1), mass=1), (3.03, 0.249, 0.02))
