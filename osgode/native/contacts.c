@@ -228,14 +228,14 @@ int lie_on_triangle(const oo_geom *geom, const double (*t)[3], const double *n, 
     feature of_a, of_t;
     double back[3] = {-n[0], -n[1], -n[2]}, face[3];
     if (!solid_of(geom, &a)) return 0;
+    int on_face = face_towards(&a, back, face);
+    if (!on_face && !lies_along(&a, back)) return 0;
     memcpy(w.n, n, sizeof w.n);
     axes_across(w.n, w.u, w.v);
-    if (face_towards(&a, back, face))
+    if (on_face)
         face_of(&a, &w, face, &of_a);
-    else if (lies_along(&a, back))
-        line_of(&a, &w, back, &of_a);
     else
-        return 0;
+        line_of(&a, &w, back, &of_a);
     double seen[3][2];
     for (int k = 0; k < 3; k++) seen_from(&w, t[k], seen[k]);
     of_t.is_line = 0;

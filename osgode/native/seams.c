@@ -7,16 +7,9 @@ enum { MOST_NEAR = 512, FORTH = 3 };
 static const double SAME_WAY = 0.9945; /* cosine of 6 degrees */
 
 typedef struct near_triangles {
-    double corners[MOST_NEAR][3][3];
+    double corners[MOST_NEAR][3][3], normals[MOST_NEAR][3];
     int count;
 } near_triangles;
-
-static void add_triangle(void *data, const double *corners[3]) {
-    near_triangles *near = data;
-    if (near->count == MOST_NEAR) return;
-    for (int k = 0; k < 3; k++) memcpy(near->corners[near->count][k], corners[k], 3 * sizeof(double));
-    near->count++;
-}
 
 static void between(const double *from, const double *to, double *out) {
     for (int k = 0; k < 3; k++) out[k] = to[k] - from[k];
@@ -34,6 +27,21 @@ static int face_normal(const double (*t)[3], double *n) {
     if (!(length > 1e-12 * (dot(u, u) + dot(v, v)))) return 0;
     for (int k = 0; k < 3; k++) n[k] /= length;
     return 1;
+}
+
+/* Those without an area are left out. */
+static void add_triangle(void *data, const double *corners[3]) {
+    near_triangles *near = data;
+    if (near->count == MOST_NEAR) return;
+    double(*t)[3] = near->corners[near->count];
+    for (int k = 0; k < 3; k++) memcpy(t[k], corners[k], 3 * sizeof(double));
+    near->count += face_normal((const double(*)[3])t, near->normals[near->count]);
+}
+
+/* 0 if there are too many, or no memory. */
+static int gather(const oo_geom *mesh, const double *low, const double *high, near_triangles *near) {
+    near->count = 0;
+    return !triangles_in(mesh->mesh, low, high, add_triangle, near) && near->count < MOST_NEAR;
 }
 
 static void nearest_on_edge(const double *a, const double *b, const double *c, double *q) {
@@ -91,10 +99,11 @@ static int meet_sphere(const near_triangles *near, const double *c, double r, sp
     int count = 0, kept = 0;
     for (int i = 0; i < near->count; i++) {
         const double(*t)[3] = near->corners[i];
-        double n[3], arm[3], q[3], way[3];
-        if (!face_normal(t, n)) continue;
+        const double *n = near->normals[i];
+        double arm[3], q[3], way[3];
         between(t[0], c, arm);
-        if (dot(n, arm) < 0) continue; /* from behind a mesh is open, as in ODE */
+        double above = dot(n, arm);
+        if (above < 0 || above > r) continue; /* from behind a mesh is open, as in ODE */
         int inside = nearest_on_triangle(t, n, c, q);
         between(q, c, way);
         double away = length_of(way);
@@ -119,44 +128,43 @@ static int meet_sphere(const near_triangles *near, const double *c, double r, sp
 
 /* ------------------------------------------------------------------ other shapes */
 
+/* How far off a face a contact with it may be. */
+static double reach_of(const dContactGeom *row, double size) { return 1.1 * fabs(row->depth) + 1e-3 * size; }
+
 /* Whether a normal at a point of a mesh (in its axes) is one that the surface has there: that of a face, or one of a
    ridge or corner, which leads away from all triangles. ODE looks at each triangle alone, and takes the rim of one for a
    step where the next one goes on. */
 static int is_sound(const near_triangles *near, const double *p, const double *n, double reach) {
-    double ahead[3], face[3], q[3], way[3], least = INFINITY;
-    for (int k = 0; k < 3; k++) ahead[k] = p[k] + FORTH * reach * n[k];
+    double ahead[3], q[3], way[3];
     for (int i = 0; i < near->count; i++) {
-        const double(*t)[3] = near->corners[i];
-        if (!face_normal(t, face)) continue;
-        nearest_on_triangle(t, face, ahead, q);
-        between(q, ahead, way);
-        least = fmin(least, length_of(way));
+        const double *face = near->normals[i];
         if (dot(face, n) < 0.999) continue;
-        nearest_on_triangle(t, face, p, q);
+        between(near->corners[i][0], p, way);
+        if (fabs(dot(face, way)) >= reach) continue;
+        nearest_on_triangle(near->corners[i], face, p, q);
         between(p, q, way);
         if (length_of(way) < reach) return 1;
     }
-    return least > 0.5 * FORTH * reach;
+    for (int k = 0; k < 3; k++) ahead[k] = p[k] + FORTH * reach * n[k];
+    for (int i = 0; i < near->count; i++) {
+        between(near->corners[i][0], ahead, way);
+        if (fabs(dot(near->normals[i], way)) > 0.5 * FORTH * reach) continue;
+        nearest_on_triangle(near->corners[i], near->normals[i], ahead, q);
+        between(q, ahead, way);
+        if (length_of(way) <= 0.5 * FORTH * reach) return 0;
+    }
+    return 1;
 }
 
-static int drop_seams(const oo_geom *mesh, const oo_geom *other, double side, dContactGeom *rows, int count) {
-    frame at = frame_of(mesh->id);
-    dReal box[6];
-    dGeomGetAABB(other->id, box);
-    double size = fmin(fmin(box[1] - box[0], box[3] - box[2]), box[5] - box[4]);
+static int drop_seams(const near_triangles *near, const frame *at, double side, double size, dContactGeom *rows,
+                      int count) {
     int sound = 0;
     for (int i = 0; i < count; i++) {
-        double p[3], n[3], low[3], high[3], normal[3], reach = 1.1 * fabs(rows[i].depth) + 1e-3 * size;
-        near_triangles near = {.count = 0};
+        double p[3], n[3], normal[3];
         for (int k = 0; k < 3; k++) normal[k] = side * rows[i].normal[k];
-        to_local(&at, rows[i].pos, p);
-        turn_back(&at, normal, n);
-        for (int k = 0; k < 3; k++) {
-            low[k] = p[k] - FORTH * reach;
-            high[k] = p[k] + FORTH * reach;
-        }
-        if (triangles_in(mesh->mesh, low, high, add_triangle, &near)) return count;
-        if (!is_sound(&near, p, n, reach)) continue;
+        to_local(at, rows[i].pos, p);
+        turn_back(at, normal, n);
+        if (!is_sound(near, p, n, reach_of(&rows[i], size))) continue;
         dContactGeom kept = rows[sound];
         rows[sound++] = rows[i];
         rows[i] = kept;
@@ -180,23 +188,20 @@ static void box_in_mesh(const frame *at, dGeomID id, double *low, double *high) 
 
 /* What lies on triangles has its contacts at its own corners and ends, and where its edges cross theirs, instead of those
    with about the same normal that ODE found for each triangle alone. */
-static int lie_on_mesh(const oo_geom *mesh, const oo_geom *other, double side, dContactGeom *rows, int count, int most) {
-    frame at = frame_of(mesh->id);
-    double low[3], high[3], n[3];
+static int lie_on_mesh(const near_triangles *near, const frame *at, const oo_geom *other, double side, double size,
+                       dContactGeom *rows, int count, int most) {
+    double n[3];
     int deepest = 0, kept = 0, found = 0, many = MOST_NEAR / 2;
     for (int i = 1; i < count; i++)
         if (rows[i].depth > rows[deepest].depth) deepest = i;
     for (int k = 0; k < 3; k++) n[k] = side * rows[deepest].normal[k];
-    box_in_mesh(&at, other->id, low, high);
-    double size = fmin(fmin(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
     double limit = 2 * rows[deepest].depth + 1e-2 * size;
-    near_triangles near = {.count = 0};
-    if (triangles_in(mesh->mesh, low, high, add_triangle, &near) || near.count == MOST_NEAR) return count;
     dContactGeom flat[MOST_NEAR];
-    for (int i = 0; i < near.count && found < MOST_NEAR; i++) {
+    for (int i = 0; i < near->count && found < MOST_NEAR; i++) {
         double t[3][3], face[3];
-        for (int k = 0; k < 3; k++) to_world(&at, near.corners[i][k], t[k]);
-        if (!face_normal(t, face) || dot(face, n) < SAME_WAY) continue;
+        turn(at, near->normals[i], face);
+        if (dot(face, n) < SAME_WAY) continue;
+        for (int k = 0; k < 3; k++) to_world(at, near->corners[i][k], t[k]);
         if (found > many) {
             found = merge_rows(flat, found, size);
             if (found > many / 2) many = (found + MOST_NEAR) / 2;
@@ -222,13 +227,24 @@ int collide_mesh(const oo_geom *a, const oo_geom *b, int most, dContactGeom *row
     const oo_geom *mesh = first ? a : b, *other = first ? b : a;
     double side = first ? -1 : 1; /* rows have their normals from b to a */
     int class = dGeomGetClass(other->id);
+    near_triangles near;
     if (class != dSphereClass) {
         int found = collide_pair(a, b, most, rows, sizeof *rows);
         int known = class == dBoxClass || class == dCapsuleClass || class == dCylinderClass;
         int ours = class == dBoxClass && mesh->mesh->planes; /* by polytope.c */
         if (!known || ours || !found) return found;
-        found = drop_seams(mesh, other, side, rows, found);
-        return mesh->mesh->planes ? found : lie_on_mesh(mesh, other, side, rows, found, most);
+        double low[3], high[3], reach = 0;
+        frame at = frame_of(mesh->id);
+        box_in_mesh(&at, other->id, low, high);
+        double size = fmin(fmin(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+        for (int i = 0; i < found; i++) reach = fmax(reach, FORTH * reach_of(&rows[i], size));
+        for (int k = 0; k < 3; k++) {
+            low[k] -= reach;
+            high[k] += reach;
+        }
+        if (!gather(mesh, low, high, &near)) return found;
+        found = drop_seams(&near, &at, side, size, rows, found);
+        return mesh->mesh->planes ? found : lie_on_mesh(&near, &at, other, side, size, rows, found, most);
     }
     frame at = frame_of(mesh->id);
     double r = dGeomSphereGetRadius(other->id), c[3], low[3], high[3];
@@ -237,9 +253,8 @@ int collide_mesh(const oo_geom *a, const oo_geom *b, int most, dContactGeom *row
         low[k] = c[k] - r;
         high[k] = c[k] + r;
     }
-    near_triangles near = {.count = 0};
     spot spots[MOST_NEAR];
-    if (triangles_in(mesh->mesh, low, high, add_triangle, &near) || near.count == MOST_NEAR)
+    if (!gather(mesh, low, high, &near))
         return collide_pair(a, b, most, rows, sizeof *rows);
     int count = meet_sphere(&near, c, r, spots);
     if (count > most) count = most;
