@@ -199,6 +199,12 @@ int collide_polytopes(const oo_geom *first, const oo_geom *second, int most, dCo
     for (int i = 0; i < low.count; i++) try_spot(&a, &b, &m, low.corners[i]);
     for (int i = 0; i < high.count; i++) try_spot(&a, &b, &m, high.corners[i]);
     try_crossings(&a, &b, &m, &low, &high);
+    if (!m.count && low.count && high.count) { /* deep in one another, and no corner of a face in the other */
+        double middle[2] = {0, 0};
+        for (int i = 0; i < 2 * low.count; i++) middle[i % 2] += low.corners[i / 2][i % 2] / low.count / 2;
+        for (int i = 0; i < 2 * high.count; i++) middle[i % 2] += high.corners[i / 2][i % 2] / high.count / 2;
+        try_spot(&a, &b, &m, middle);
+    }
     int limit = most < MOST_KEPT ? most : MOST_KEPT, count = m.count < limit ? m.count : limit;
     const spot *last = NULL;
     for (int k = 0; k < count; k++) {
