@@ -159,17 +159,30 @@ static int after(const box_tree *t, int at) {
     return parent == NONE ? NONE : t->nodes[parent].children[1];
 }
 
+static int build_all(box_tree *t, leaf *leaves, unsigned int count) {
+    if (reserve(&t->nodes, &t->capacity, 2 * (size_t)count, sizeof *t->nodes)) return OO_NO_MEMORY;
+    t->count = t->changes = 0;
+    t->leaves = count;
+    t->free = NONE;
+    t->root = count ? build(t, leaves, (int)count, NONE) : NONE;
+    return OO_OK;
+}
+
+int tree_build(box_tree *t, unsigned int count, void (*box_of)(const void *, unsigned int slot, box *), const void *keeper) {
+    leaf *leaves = malloc(count * sizeof *leaves);
+    if (!leaves) return OO_NO_MEMORY;
+    for (unsigned int i = 0; i < count; i++) {
+        leaves[i].slot = i;
+        box_of(keeper, i, &leaves[i].box);
+    }
+    int status = build_all(t, leaves, count);
+    free(leaves);
+    return status;
+}
+
 int tree_rebuild(box_tree *t, int *(*leaf_of)(void *, unsigned int slot), void *keeper) {
-    if (t->root == NONE) {
-        t->count = t->changes = 0;
-        t->free = NONE;
-        return OO_OK;
-    }
-    leaf *leaves = malloc(t->leaves * sizeof *leaves);
-    if (!leaves || reserve(&t->nodes, &t->capacity, 2 * (size_t)t->leaves, sizeof *t->nodes)) {
-        free(leaves);
-        return OO_NO_MEMORY;
-    }
+    leaf *leaves = malloc((t->leaves + 1) * sizeof *leaves);
+    if (!leaves) return OO_NO_MEMORY;
     unsigned int found = 0;
     for (int at = t->root; at != NONE;) {
         const node *n = &t->nodes[at];
@@ -180,13 +193,11 @@ int tree_rebuild(box_tree *t, int *(*leaf_of)(void *, unsigned int slot), void *
         leaves[found++] = (leaf){n->box, (unsigned int)n->children[1]};
         at = after(t, at);
     }
-    t->count = t->changes = 0;
-    t->free = NONE;
-    t->root = build(t, leaves, (int)found, NONE);
+    int status = build_all(t, leaves, found);
     free(leaves);
-    for (unsigned int i = 0; i < t->count; i++)
+    for (unsigned int i = 0; !status && i < t->count; i++)
         if (t->nodes[i].children[0] == NONE) *leaf_of(keeper, (unsigned int)t->nodes[i].children[1]) = (int)i;
-    return OO_OK;
+    return status;
 }
 
 /* ------------------------------------------------------------------ finding */

@@ -446,8 +446,6 @@ static int meets_ray(const box *b, const void *wanted) {
     return near <= far;
 }
 
-static int meets_box(const box *b, const void *wanted) { return overlap(b, wanted); }
-
 static void visit_all(const struct oo_broad *b, int (*meets)(const box *, const void *), const void *wanted,
                       void (*visit)(void *, unsigned int), void *data) {
     for (unsigned int i = 0; i < b->huge.count; i++) visit(data, b->huge.at[i]);

@@ -14,6 +14,8 @@ static inline int overlap(const box *a, const box *b) {
            a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
 }
 
+static inline int meets_box(const box *b, const void *wanted) { return overlap(b, wanted); }
+
 typedef struct slots { unsigned int *at, count, capacity; } slots;
 
 static inline int put_slot(slots *s, unsigned int slot) {
@@ -41,6 +43,8 @@ HIDDEN int tree_plant(box_tree *, const box *, unsigned int slot);
 HIDDEN void tree_uproot(box_tree *, int leaf);
 /* Whether it has been changed so much that it is worth building anew. */
 HIDDEN int tree_is_worn(const box_tree *);
+/* Built at once of slots 0 to count. */
+HIDDEN int tree_build(box_tree *, unsigned int count, void (*box_of)(const void *, unsigned int slot, box *), const void *);
 /* Built anew of all its leaves, which get other numbers; leaf_of tells where the number of a slot's leaf is kept. */
 HIDDEN int tree_rebuild(box_tree *, int *(*leaf_of)(void *, unsigned int slot), void *);
 /* The slots whose boxes meet a box, in their order. */

@@ -43,14 +43,15 @@ HIDDEN int reserve(void *array, unsigned int *capacity, size_t wanted, size_t el
 HIDDEN void random_begin(const oo_world *);
 HIDDEN void random_end(oo_world *);
 
-struct oo_triangles;
+struct box_tree;
+
 /* What geoms are made from. */
 struct oo_mesh {
     dTriMeshDataID id;                /* of a mesh, and of a hull as a mesh */
     double *vertices;                 /* x y z; of a heightfield the heights alone, x running fastest */
     unsigned int vertex_count;
     unsigned int triangle_count;      /* of a mesh, and of a hull as a mesh */
-    struct oo_triangles *tree;        /* of them, made when it is first wanted */
+    struct box_tree *tree;            /* of them, made when it is first wanted */
     unsigned int *triangles;          /* of a solid hull with a 3 before each, as ODE's polygons */
     double *planes;                   /* of a hull, one per triangle: outward normal n and n . p */
     unsigned int plane_count;

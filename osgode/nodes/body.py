@@ -45,11 +45,6 @@ class Body(Listening, Tunnelling, Transform):
 
     # -- pose
 
-    @property
-    def body(self) -> Body:
-        """Itself."""
-        return self
-
     def local_matrix(self) -> FloatArray:
         """The 4x4 matrix from body axes to world axes, live."""
         return self.pose.matrix()

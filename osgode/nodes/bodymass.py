@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -51,12 +51,10 @@ class BodyMass(BodyFrame):
         if not self.auto_recentre:
             self._mass = other.mass_properties
 
-    if TYPE_CHECKING:
-
-        @property
-        def body(self) -> Body:
-            """Itself."""
-            raise NotImplementedError
+    @property
+    def body(self) -> Body:
+        """Itself."""
+        return cast("Body", self)
 
     # -- what is in force
 
