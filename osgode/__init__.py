@@ -22,6 +22,7 @@ from osgode.graph.leaf import Leaf, Switch
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
+from osgode.graph.projection import Area, OverlayNode, Projection
 from osgode.graph.shapes import (
     box_drawable,
     capsule_drawable,
@@ -70,6 +71,7 @@ from osgode.nodes.spaces import HashSpace, QuadTreeSpace, SimpleSpace, Space, Sw
 from osgode.nodes.touch import Touch
 from osgode.nodes.trimesh import Trimesh
 from osgode.nodes.world import World
+from osgode.scheduler import ScheduledCall
 
 __version__ = "0.1.0"
 
@@ -79,6 +81,7 @@ __all__ = [
     "PUBLISHED",
     "AngularMotor",
     "Appearance",
+    "Area",
     "Assembly",
     "Ball",
     "Bin",
@@ -120,6 +123,7 @@ __all__ = [
     "ModelError",
     "Node",
     "OsgodeError",
+    "OverlayNode",
     "ParameterError",
     "PhysicsError",
     "PhysicsNode",
@@ -129,6 +133,7 @@ __all__ = [
     "Plane2D",
     "Pose",
     "PositionAttitudeTransform",
+    "Projection",
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
@@ -137,6 +142,7 @@ __all__ = [
     "RayHits",
     "Reaction",
     "Rectangle",
+    "ScheduledCall",
     "Servo",
     "SimpleSpace",
     "Sky",

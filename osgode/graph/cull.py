@@ -10,6 +10,7 @@ from osgode.graph.draw_list import Anchor, DrawList, Instance, frustum_planes, v
 from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Switch
 from osgode.graph.node import Node
+from osgode.graph.projection import Projection
 from osgode.graph.transforms import PoseSource, Transform
 from osgode.graph.visitors import Visitor
 from osgode.maths import FloatArray
@@ -52,6 +53,8 @@ class CullVisitor(Visitor):
         self._list = DrawList((), ())
         self._place = _ROOT
         self._instances: list[Instance] = []
+        self._projections: tuple[Projection, ...] = ()
+        self._found_projections: list[Projection] = []
         self._anchors: list[Anchor] = []
         self._anchor_of: dict[int, int] = {}
 
@@ -73,7 +76,7 @@ class CullVisitor(Visitor):
             interpolation: 1 for the poses after the last step, 0 for those before it.
             sun: the light; the default Sun if not given.
             sky: the default Sky if not given.
-            overlay: what is drawn over the picture, in order.
+            overlay: what is drawn over the picture, in order, after what stands below a `Projection`.
 
         Raises:
             TreeError: if moving poses stand below other moving poses (a World below a Body of another World).
@@ -91,7 +94,7 @@ class CullVisitor(Visitor):
             opaque=shown.opaque_bins(inside),
             transparent=shown.transparent_bins(inside, view.pose.position),
             casters=shown.caster_bins(sun, *visible_sphere(view, aspect, self.shadow_reach)),
-            overlay=list(overlay),
+            overlay=[*(item for flat in self._projections for item in flat.items(size)), *overlay],
             sun=sun,
             sky=Sky() if sky is None else sky,
             front=shown.front_bins(inside),
@@ -125,6 +128,11 @@ class CullVisitor(Visitor):
         self.visit_node(node)
         self._place = outer
 
+    def visit_projection(self, node: Projection) -> None:
+        """Note it: what is below it is asked for each picture, and stands in no space."""
+        if node.visible:
+            self._found_projections.append(node)
+
     def visit_switch(self, node: Switch) -> None:
         """Go on if the switch is on."""
         if node.on:
@@ -134,10 +142,12 @@ class CullVisitor(Visitor):
         try:
             self.visit(self.root)
             self._list = DrawList(self._instances, self._anchors)
+            self._projections = tuple(self._found_projections)
             self._revision = self.root._revision
         finally:
             self._place = _ROOT
             self._instances, self._anchors, self._anchor_of = [], [], {}
+            self._found_projections = []
 
     def _enter(self, source: PoseSource) -> None:
         place = self._place

@@ -104,13 +104,22 @@ class Rectangle:
 
 @dataclass(frozen=True)
 class Text:
-    """A line (or lines) of text of the overlay; its top left corner in pixels."""
+    """A line (or lines) of text of the overlay.
+
+    Args:
+        x, y: pixels from the top left of the picture.
+        text: with line feeds between lines.
+        size: height of its em, pixels.
+        align: which point of the text is there, in parts of its width and height: (0, 0) its top left corner,
+            (0.5, 0.5) its middle, (1, 1) its bottom right corner.
+    """
 
     x: float
     y: float
     text: str
     size: int = 18
     colour: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    align: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from osgode.fields import POSITION_LIMIT, vector
 from osgode.graph.transforms import PoseSource, Transform
-from osgode.maths import ZERO, FloatArray, Vec3, Vec3Like
+from osgode.maths import ZERO, FloatArray, Pose, Quat, Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.bodystate import (
     FORCE_LIMIT,
@@ -53,6 +53,17 @@ class Body(Listening, Tunnelling, Transform):
         """The World and the row of its pose tables, or None outside of a World."""
         world = self.world
         return None if world is None else (world, self._index)
+
+    def interpolated_pose(self, interpolation: float) -> Pose:
+        """The pose between the step before the last (0) and the last (1): what a picture shows.
+
+        Outside of a World, where nothing moves, `pose`.
+        """
+        world = self.world
+        if world is None:
+            return self.pose
+        x, y, z, *rotation = world.interpolated_poses(interpolation, self._index)[0].tolist()
+        return Pose(Vec3(x, y, z), Quat(*rotation))
 
     # -- acting on it
 

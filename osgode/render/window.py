@@ -55,6 +55,7 @@ class Window:
             self._pygame.display.quit()
             raise OsgodeError(NO_WINDOW.format(reason=error)) from error
         self._open = True
+        self._full_screen = False
         self._current: AbstractContextManager[object] = self._context
         if self._pygame.display.get_driver() in EGL_DRIVERS:
             self._current = nullcontext()  # current since it was made: OffscreenDrawer puts it back
@@ -93,6 +94,17 @@ class Window:
         """Width and height of the window's inside as it is now, pixels."""
         width, height = self._pygame.display.get_window_size()
         return width, height
+
+    @property
+    def full_screen(self) -> bool:
+        """Whether it takes the whole screen; set it to change that."""
+        return self._full_screen
+
+    @full_screen.setter
+    def full_screen(self, value: bool) -> None:
+        if self._open and bool(value) != self._full_screen:
+            self._pygame.display.toggle_fullscreen()
+            self._full_screen = bool(value)
 
     @property
     def renderer(self) -> str:
