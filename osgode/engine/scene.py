@@ -80,7 +80,7 @@ class Scene(Module):
         self.camera = Camera(world=self.world, obstacles=self.static)
         self.sun, self.sky = config.sun, config.sky
         self.accumulator = Accumulator(config.max_steps)
-        self._stepped_singly = False
+        self._interpolation = 1.0
         self.timings: dict[str, float] = {}
         """Seconds that the parts of the last frame took."""
         self._update = UpdateVisitor(self.root)
@@ -120,9 +120,7 @@ class Scene(Module):
     @property
     def interpolation(self) -> float:
         """How far the picture is between the step before the last (0) and the last (1)."""
-        if self._stepped_singly:
-            return 1.0
-        return self.accumulator.interpolation(self.world.step_size)
+        return self._interpolation
 
     # -- frames
 
@@ -139,27 +137,35 @@ class Scene(Module):
 
     def cycle(self) -> None:
         """Do a frame, but for drawing it."""
-        marks = [time.perf_counter()]
         self.steer()
         self.each_frame()
-        steps = self._steps()
+        before = time.perf_counter()
+        self.advance(self._steps_now())
+        between = time.perf_counter()
+        self.update()
+        self.timings = {"steps": between - before, "update": time.perf_counter() - between}
+
+    def _steps_now(self) -> int:
+        step_size = self.world.step_size
+        single = self.clock.take_single_steps()
+        if single:  # the picture shows just this step
+            self.accumulator.rest, self._interpolation = 0.0, 1.0
+            return single
+        steps = self.accumulator.take(self.clock.simulation_delta, step_size)
+        if not self.clock.paused:
+            self._interpolation = self.accumulator.interpolation(step_size)
+        return steps
+
+    def advance(self, steps: int) -> None:
+        """Simulate so many steps, each after `before_step`."""
         for _ in range(steps):
             self.before_step()
             self.world.step()
-        marks.append(time.perf_counter())
-        self.camera.update(self.clock.delta, self.interpolation)
-        self._update.update()
-        marks.append(time.perf_counter())
-        self.timings = {"steps": marks[1] - marks[0], "update": marks[2] - marks[1]}
 
-    def _steps(self) -> int:
-        single = self.clock.take_single_steps()
-        if single:
-            self.accumulator.rest, self._stepped_singly = 0.0, True  # the picture shows just this step
-            return single
-        if not self.clock.paused:
-            self._stepped_singly = False
-        return self.accumulator.take(self.clock.simulation_delta, self.world.step_size)
+    def update(self) -> None:
+        """Get ready for a picture: move the camera, and call what was registered with `Node.on_update`."""
+        self.move_camera()
+        self._update.update()
 
     def frame(self, size: tuple[int, int]) -> Frame:
         """The picture of ``size`` pixels, described."""
@@ -177,6 +183,10 @@ class Scene(Module):
             self.camera.look(right, down)
         self.camera.move(**{name: self.events.held(name) for name in MOVES})
         self.camera.steer()
+
+    def move_camera(self) -> None:
+        """Take the camera to where this frame's picture is taken from, after its steps; a game may do otherwise."""
+        self.camera.update(self.clock.delta, self.interpolation)
 
     def bind_actions(self) -> None:
         """Let the actions that every game has do what they are called; a game may leave some out, or add its own."""
