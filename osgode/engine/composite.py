@@ -93,6 +93,16 @@ class CompositeObject(SimpleSpace):
 
     # -- in and out of the simulation
 
+    def entered(self) -> None:
+        """Called when all of it has come into a World: the place to `schedule` what it does there.
+
+        Nothing unless a subclass does something. What it raises undoes the attaching.
+        """
+
+    def _settle(self) -> None:
+        super()._settle()
+        self.entered()
+
     @property
     def in_simulation(self) -> bool:
         """Whether it is in a World."""
