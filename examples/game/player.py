@@ -123,7 +123,7 @@ class Player(ControllableObject):
         self._charged = 0.0
         self._jumping = False
         self._falling = 0.0
-        self._depth: float | None = None
+        self._base = oo.Vec3(0.0, 0.0, 0.0)
 
     def make_controls(self) -> Controllable:
         """A neck can't turn over backwards."""
@@ -189,6 +189,9 @@ class Player(ControllableObject):
         if hit is not None and hit.body is not None:
             base = hit.body.velocity_at(hit.point)
         moving = self.velocity - base
+        carried = hit is not None and self.ground is not None and hit.body is self.ground.body
+        swept = (base - self._base) / step if carried else oo.Vec3(0.0, 0.0, 0.0)
+        self._base = base
         landed = self.ground is None and hit is not None
         self.ground = hit
         if landed and -self._falling > HARD_LANDING:
@@ -203,7 +206,7 @@ class Player(ControllableObject):
         else:
             self._jumping = self._jumping and moving.y > 0.0
             self._charged = 0.0
-        push += self._walk(moving, mass, step, normal.y)
+        push += self._walk(moving, swept, mass, step, normal.y)
         if push.length > 0.0:
             self.torso.add_force(push)
             if hit is not None and hit.body is not None:
@@ -253,13 +256,13 @@ class Player(ControllableObject):
         speed = math.sqrt(2.0 * gravity * height + (gravity * step / 2) ** 2) - gravity * step / 2
         return oo.Vec3(0.0, mass * (speed - moving.y) / step, 0.0)
 
-    def _walk(self, moving: oo.Vec3, mass: float, step: float, level: float) -> oo.Vec3:
-        """Towards the wished motion and against any other, as hard as feet can."""
+    def _walk(self, moving: oo.Vec3, swept: oo.Vec3, mass: float, step: float, level: float) -> oo.Vec3:
+        """Towards the wished motion and against any other, along with how the ground speeds up, as hard as feet can."""
         wanted = self.controls.level_movement * (SPEED * self.pace * level)
         if not self.on_ground and wanted.length == 0.0:
             return wanted  # in the air there is nothing to brake against
         missing = wanted - (moving.x, 0.0, moving.z)
-        push = missing / max(GRIP, step)
+        push = missing / max(GRIP, step) + oo.Vec3(swept.x, 0.0, swept.z)
         most = PUSH if self.on_ground else PUSH / 2
         if push.length > most:
             push = push * (most / push.length)
