@@ -81,6 +81,7 @@ class Scene(Module):
         self.sun, self.sky = config.sun, config.sky
         self.accumulator = Accumulator(config.max_steps)
         self._interpolation = 1.0
+        self._held_moves = dict.fromkeys(MOVES, False)
         self.timings: dict[str, float] = {}
         """Seconds that the parts of the last frame took."""
         self._update = UpdateVisitor(self.root)
@@ -177,11 +178,17 @@ class Scene(Module):
     # -- keys
 
     def steer(self) -> None:
-        """Turn the camera by the mouse and move it by the keys; a game may do otherwise."""
+        """Turn the camera by the mouse and move it by the keys; a game may do otherwise.
+
+        The camera is told of keys that went down or came up since the last frame, so what a program wishes by
+        `Camera.move` stays as long as no key says otherwise.
+        """
         right, down = self.events.look
         if right or down:
             self.camera.look(right, down)
-        self.camera.move(**{name: self.events.held(name) for name in MOVES})
+        held = {name: self.events.held(name) for name in MOVES}
+        self.camera.move(**{name: down for name, down in held.items() if down != self._held_moves[name]})
+        self._held_moves = held
         self.camera.steer()
 
     def move_camera(self) -> None:
@@ -200,11 +207,11 @@ class Scene(Module):
 
         @events.on_press("slower")
         def slower() -> None:
-            clock.speed = max(clock.speed / 2, SLOWEST)
+            clock.speed = min(clock.speed, max(clock.speed / 2, SLOWEST))
 
         @events.on_press("faster")
         def faster() -> None:
-            clock.speed = min(clock.speed * 2, FASTEST)
+            clock.speed = max(clock.speed, min(max(clock.speed * 2, SLOWEST), FASTEST))
 
         @events.on_press("attach")
         def attach() -> None:
