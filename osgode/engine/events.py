@@ -74,14 +74,14 @@ class Events(Module):
 
     Args:
         config: its settings.
-        source: where events come from; a `ScriptedInput` if not given. `Video` puts its window in its place.
+        source: where events come from; a `ScriptedInput` if not given. `Video` adds those of its window.
     """
 
     NAME = "events"
 
     def __init__(self, config: EventsConfig | None = None, source: InputSource | None = None) -> None:
         self.config = config = EventsConfig() if config is None else config
-        self.source: InputSource = ScriptedInput() if source is None else source
+        self._source: InputSource = ScriptedInput() if source is None else source
         self._bindings: dict[str, tuple[str, ...]] = dict(BINDINGS)
         for action, inputs in config.bindings.items():
             self.bind(action, inputs)
@@ -91,6 +91,7 @@ class Events(Module):
         self._press_listeners: dict[str, list[Callable[[], object]]] = {}
         self._listeners: list[Callable[[InputEvent], object]] = []
         self._captured = False
+        self._look = (0.0, 0.0)
         self.focused = True
         """Whether the window has the keyboard."""
         self.mouse_motion = (0.0, 0.0)
@@ -154,22 +155,37 @@ class Events(Module):
     @property
     def look(self) -> tuple[float, float]:
         """What the mouse means for a camera in this frame: radians to the right and down; 0 unless it is held."""
-        if not self._captured:
-            return (0.0, 0.0)
-        dx, dy = self.mouse_motion
+        dx, dy = self._look
         return (dx * self.config.mouse_sensitivity, dy * self.config.mouse_sensitivity)
 
     # -- the pointer
 
     @property
+    def source(self) -> InputSource:
+        """Where events come from; another one takes over the pointer if it is held."""
+        return self._source
+
+    @source.setter
+    def source(self, value: InputSource) -> None:
+        if value is not self._source:
+            if self._captured:
+                self._source.capture(wanted=False)
+            self._source = value
+            if self._captured:
+                value.capture(self.focused)
+
+    @property
     def captured(self) -> bool:
-        """Whether the pointer is held: hidden, within the window, for looking around."""
+        """Whether the pointer is held: hidden, within the window, for looking around.
+
+        While the window lacks the keyboard the pointer is free, and held again when that is back.
+        """
         return self._captured
 
     @captured.setter
     def captured(self, value: bool) -> None:
         self._captured = bool(value)
-        self.source.capture(self._captured and self.focused)
+        self._source.capture(self._captured and self.focused)
 
     # -- who is told
 
@@ -200,18 +216,26 @@ class Events(Module):
             self.captured = True
 
     def stop(self) -> None:
-        """Let the pointer go."""
+        """Let everything go."""
         if self._captured:
             self.captured = False
+        self._held.clear()
 
     def cycle(self) -> None:
         """Take in what has happened since the last frame."""
         self._pressed, self._released = set(), set()
         self.mouse_motion, self.wheel = (0.0, 0.0), 0.0
-        for event in self.source.poll():
-            self._take(event)
-            for hear in tuple(self._listeners):
-                hear(event)
+        self._look = (0.0, 0.0)
+        for event in self._source.poll():
+            if isinstance(event, Focus) and not event.gained:  # nobody will tell when the keys come up
+                for name in tuple(self._held):
+                    self._happen(Release(name))
+            self._happen(event)
+
+    def _happen(self, event: InputEvent) -> None:
+        self._take(event)
+        for hear in tuple(self._listeners):
+            hear(event)
 
     def _take(self, event: InputEvent) -> None:
         if isinstance(event, Press):
@@ -220,7 +244,9 @@ class Events(Module):
             self._let_go(event.name)
         elif isinstance(event, MouseMotion):
             self.mouse_motion = (self.mouse_motion[0] + event.dx, self.mouse_motion[1] + event.dy)
-            if not self._captured:
+            if self._captured and self.focused:
+                self._look = (self._look[0] + event.dx, self._look[1] + event.dy)
+            else:
                 self.mouse_position = (event.x, event.y)
         elif isinstance(event, Wheel):
             self.wheel += event.clicks
@@ -241,11 +267,8 @@ class Events(Module):
 
     def _take_focus(self, gained: bool) -> None:
         self.focused = gained
-        if not gained:  # nobody will tell when the keys come up
-            for name in tuple(self._held):
-                self._let_go(name)
         if self._captured:
-            self.source.capture(gained)
+            self._source.capture(gained)
 
     def _let_go(self, name: str) -> None:
         if name in self._held:
