@@ -69,11 +69,19 @@ static void mark_space(oo_world *w, dSpaceID space, unsigned int slot) {
     w->broad->spaces[slot] = m;
 }
 
-static void mark_spaces(oo_world *w) {
+/* Spaces are made before what they hold, so their slots are mostly low ones. */
+static int mark_spaces(oo_world *w) {
+    struct oo_broad *b = w->broad;
+    unsigned int end = 0, had = b->space_capacity;
+    for (unsigned int slot = 0; slot < w->geom_count; slot++)
+        if (w->geoms[slot].flags & OO_IS_SPACE) end = slot + 1;
+    if (reserve(&b->spaces, &b->space_capacity, end, sizeof *b->spaces)) return OO_NO_MEMORY;
+    for (unsigned int i = had; i < b->space_capacity; i++) b->spaces[i] = (members){0};
     for (unsigned int slot = 0; slot < w->geom_count; slot++)
         if ((w->geoms[slot].flags & (OO_ALIVE | OO_IS_SPACE)) == (OO_ALIVE | OO_IS_SPACE))
             mark_space(w, (dSpaceID)w->geoms[slot].id, slot);
     w->pairs_are_new = 0;
+    return OO_OK;
 }
 
 static int declared(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
@@ -94,11 +102,7 @@ static int make_room(oo_world *w) {
     unsigned int had = b->entry_capacity;
     if (reserve(&b->entries, &b->entry_capacity, w->geom_count, sizeof *b->entries)) return OO_NO_MEMORY;
     for (unsigned int i = had; i < b->entry_capacity; i++) b->entries[i] = (entry){.leaf = NONE, .state = OUT};
-    had = b->space_capacity;
-    if (reserve(&b->spaces, &b->space_capacity, w->geom_count, sizeof *b->spaces)) return OO_NO_MEMORY;
-    for (unsigned int i = had; i < b->space_capacity; i++) b->spaces[i] = (members){0};
     if (reserve(&b->movers, &b->mover_capacity, w->geom_count, sizeof *b->movers)) return OO_NO_MEMORY;
-    if (reserve(&b->huge.at, &b->huge.capacity, w->geom_count, sizeof *b->huge.at)) return OO_NO_MEMORY;
     if (reserve(&b->reached, &b->reached_capacity, w->body_count, sizeof *b->reached)) return OO_NO_MEMORY;
     return reserve(&b->queue.at, &b->queue.capacity, w->body_count, sizeof *b->queue.at);
 }
@@ -135,10 +139,7 @@ static void note_mover(struct oo_broad *b, unsigned int slot, int is_new) {
 
 static int note_quiet(struct oo_broad *b, unsigned int slot, const box *now) {
     entry *e = &b->entries[slot];
-    if (e->state == HUGE_BOX) {
-        b->huge.at[b->huge.count++] = slot;
-        return OO_OK;
-    }
+    if (e->state == HUGE_BOX) return put_slot(&b->huge, slot);
     if (e->leaf == NONE) e->leaf = tree_plant(&b->tree, now, slot);
     return e->leaf == NONE ? OO_NO_MEMORY : OO_OK;
 }
@@ -182,7 +183,7 @@ static int *leaf_of(void *b, unsigned int slot) { return &((struct oo_broad *)b)
 /* Movers that were there before keep their places in the list, since they are nearly sorted; new ones come behind. */
 static int update(oo_world *w) {
     struct oo_broad *b = w->broad;
-    if (w->pairs_are_new) mark_spaces(w);
+    if (w->pairs_are_new && mark_spaces(w)) return OO_NO_MEMORY;
     unsigned int kept = 0;
     for (unsigned int i = 0; i < b->mover_count; i++) {
         unsigned int slot = b->movers[i].slot;

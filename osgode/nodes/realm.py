@@ -93,7 +93,7 @@ class Realm:
     def add_body(self, body: Body) -> int:
         """Make a native body and return its index in the tables."""
         if len(self._bodies) == len(self.poses):
-            self._grow_tables(2 * len(self.poses))
+            self._grow_tables(len(self.poses) + max(16, len(self.poses) // 4))
         index: int = lib.oo_body_new(self.ptr)
         if index >= 0:
             self._bodies.append(weakref.ref(body))
