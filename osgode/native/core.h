@@ -175,6 +175,7 @@ typedef struct oo_world {
     unsigned int pair_count;
     oo_pair *declared;              /* those of them that are not nested */
     unsigned int declared_count;
+    int edited;                     /* what stands where may have been changed since it looked last, not by a step */
     int pairs_are_new;              /* since osgode's own broad phase looked last */
     int ode_broad;                  /* pairs are found by ODE's spaces, in their order */
     oo_broad *broad;

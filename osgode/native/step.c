@@ -418,6 +418,7 @@ int oo_run(oo_world *w, unsigned int count) {
         w->asking = 0;
         if (status == OO_OK) status = respond(w);
         if (status == OO_OK) {
+            if (w->glide_count) w->edited = 1; /* they may have fallen asleep on the way */
             begin_glides(w);
             status = integrate(w);
             if (status == OO_OK) end_glides(w);
@@ -426,7 +427,10 @@ int oo_run(oo_world *w, unsigned int count) {
         }
         if (status == OO_OK) status = compare_touches(w);
         dJointGroupEmpty(w->contact_group);
-        if (status != OO_OK) return status;
+        if (status != OO_OK) {
+            w->edited = 1;
+            return status;
+        }
         export_poses(w);
         w->steps++;
         done++;
