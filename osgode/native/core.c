@@ -71,6 +71,7 @@ void oo_world_free(oo_world *w) {
     free(w->surfaces);
     free(w->directions);
     free(w->contacts);
+    free(w->islands);
     free(w->feedback);
     free(w->touching);
     free(w->touched);

@@ -242,6 +242,7 @@ static int respond(oo_world *w) {
         }
     /* ODE writes only what its solver sees: nothing where all sleeps. */
     if (w->feedback_count) memset(w->feedback, 0, w->feedback_count * sizeof *w->feedback);
+    if (w->ode_broad && find_islands(w)) return OO_NO_MEMORY;
     if (guard_enter()) return OO_ASSERT;
     dContact contact;
     memset(&contact, 0, sizeof contact);
@@ -249,6 +250,7 @@ static int respond(oo_world *w) {
         oo_contact *row = &w->contacts[i];
         if (!row_acts(w, row)) continue;
         dBodyID body1 = dGeomGetBody(row->geom.g1), body2 = dGeomGetBody(row->geom.g2);
+        if (w->ode_broad && !is_awake(w, body1) && !is_awake(w, body2)) continue; /* osgode's own way finds few of these */
         contact.surface = w->surfaces[row->surface];
         contact.geom = row->geom;
         direct(w, row, &contact);
