@@ -191,7 +191,7 @@ typedef struct oo_world {
     oo_contact *contacts;
     unsigned int contact_count, contact_capacity;
     oo_island *islands;             /* by body, while contacts become joints */
-    unsigned int island_capacity;
+    unsigned int island_capacity, asleep_count; /* bodies that slept after the last step */
     dJointFeedback *feedback;
     unsigned int feedback_count, feedback_capacity;
 
