@@ -20,7 +20,7 @@ UNITS = (
         "joints",
         "gears",
     ),
-    *("boxtree", "broad", "step", "queries", "gjk", "triangles", "sweep"),
+    *("boxtree", "broad", "islands", "step", "queries", "gjk", "triangles", "sweep"),
 )
 HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "shapes.h", "ode.cdef")
 

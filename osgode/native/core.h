@@ -129,6 +129,11 @@ typedef struct oo_glide {
     double next[7], velocity[6];    /* of this step; the velocity of the centre of mass */
 } oo_glide;
 
+typedef struct oo_island {
+    unsigned int parent;            /* a body that it touches or is joined to; of the first of them, itself */
+    int awake;                      /* of the first: one of them is */
+} oo_island;
+
 typedef struct oo_broad oo_broad;
 
 typedef struct oo_query {
@@ -175,6 +180,7 @@ typedef struct oo_world {
     unsigned int pair_count;
     oo_pair *declared;              /* those of them that are not nested */
     unsigned int declared_count;
+    int edited;                     /* what stands where may have been changed since it looked last, not by a step */
     int pairs_are_new;              /* since osgode's own broad phase looked last */
     int ode_broad;                  /* pairs are found by ODE's spaces, in their order */
     oo_broad *broad;
@@ -184,6 +190,8 @@ typedef struct oo_world {
 
     oo_contact *contacts;
     unsigned int contact_count, contact_capacity;
+    oo_island *islands;             /* by body, while contacts become joints */
+    unsigned int island_capacity, asleep_count; /* bodies that slept after the last step */
     dJointFeedback *feedback;
     unsigned int feedback_count, feedback_capacity;
 

@@ -199,6 +199,9 @@ HIDDEN void lock_meshes(int wanted);
 HIDDEN int usable(const dContactGeom *);
 /* Whether a contact is to make a joint. */
 HIDDEN int row_acts(const oo_world *, const oo_contact *);
+/* Of this step's contacts and joints; then whether a body is awake, or is about to be woken by what is. */
+HIDDEN int find_islands(oo_world *);
+HIDDEN int is_awake(const oo_world *, dBodyID);
 
 /* The triangles whose boxes meet a box, in the axes of the mesh. */
 HIDDEN int triangles_in(oo_mesh *, const double low[3], const double high[3], void (*visit)(void *, const double *corners[3]), void *data);

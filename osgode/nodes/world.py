@@ -179,7 +179,8 @@ class World(Listening, Queries, WorldSettings, Group):
         """
         if count.__class__ is not int or count != 1:  # called once a step, so the usual case is not checked at length
             count = STEP_COUNT(f"{self.describe()}.step()", "count", count)
-        with self._live("step").editing() as realm:
+        realm = self._live("step")
+        with realm.holding():
             if realm.stepping:
                 raise StateError(f"{self.describe()}.step() was called from a listener inside a step")
             realm.stepping = True
