@@ -17,8 +17,9 @@ from osgode.errors import (
 from osgode.graph.appearance import Appearance, Texture, load_texture
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Drawer, Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Bin, Drawer, Frame, Lines, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
+from osgode.graph.lines import LineSet
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
@@ -110,7 +111,9 @@ __all__ = [
     "Joint",
     "Leaf",
     "LetGo",
+    "LineSet",
     "LinearMotor",
+    "Lines",
     "Mass",
     "MatrixTransform",
     "Mesh",
