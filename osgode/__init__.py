@@ -56,6 +56,7 @@ from osgode.nodes.body import Body
 from osgode.nodes.centreofmass import CentreOfMass
 from osgode.nodes.colliders import colliders
 from osgode.nodes.convex import ConvexHull
+from osgode.nodes.exports import StepTimings
 from osgode.nodes.feedback import CollisionFeedback
 from osgode.nodes.geom import Geom
 from osgode.nodes.heightdata import HeightData
@@ -147,6 +148,7 @@ __all__ = [
     "Space",
     "Sphere",
     "StateError",
+    "StepTimings",
     "Sun",
     "Surface",
     "SurfaceTable",
