@@ -334,6 +334,7 @@ void oo_body_set_tunnelling(oo_world *, unsigned int index, int tunnelling);
 int oo_body_take_warning(oo_world *, unsigned int index);
 /* Linear velocity of the frame, angular velocity: 6 doubles a body. */
 void oo_export_velocities(const oo_world *, double *out);
-/* All bodies, and all slots. */
+/* All joints (1 or 0 each), all bodies, and all slots. */
+void oo_export_enabled(const oo_world *, unsigned char *out);
 void oo_export_bodies(const oo_world *, oo_body_state *out);
 void oo_export_geoms(const oo_world *, oo_geom_state *out);

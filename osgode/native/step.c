@@ -332,6 +332,10 @@ void oo_export_velocities(const oo_world *w, double *out) {
     }
 }
 
+void oo_export_enabled(const oo_world *w, unsigned char *out) {
+    for (unsigned int i = 0; i < w->joint_count; i++) out[i] = dJointIsEnabled(w->joints[i]->id) != 0;
+}
+
 void oo_export_bodies(const oo_world *w, oo_body_state *out) {
     for (unsigned int i = 0; i < w->body_count; i++, out++) {
         memcpy(out->com, w->bodies[i].com, sizeof out->com);

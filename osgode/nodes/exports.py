@@ -60,6 +60,14 @@ class Exports(PhysicsNode):
         return out
 
     @property
+    def joints_enabled(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Whether each joint of `joints` holds anything, as a new array of as many."""
+        realm = self._live("joints_enabled")
+        out = np.empty(realm.ptr.joint_count, np.bool_)
+        lib.oo_export_enabled(realm.ptr, ffi.cast("unsigned char *", out.ctypes.data))
+        return out
+
+    @property
     def geom_states(self) -> np.ndarray[Any, np.dtype[Any]]:
         """A new structured array of one row a slot (see `World.geom_of_slot`), as they are now.
 
