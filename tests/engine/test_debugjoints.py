@@ -7,6 +7,7 @@ import osgode as oo
 from osgode.engine import DebugOverlay
 from osgode.engine import debugjoints as looks
 from osgode.engine.stamps import HEAD
+from tests.joints.held import each_kind
 
 SIZE = 0.25
 
@@ -72,6 +73,21 @@ def test_marks_are_where_the_joint_says(number):
             assert near(shaft[1] - shaft[0], np.array(axis) * SIZE)
         assert len(axes) == len(set(looks.AXES) & set(found))
         world.step(30)
+
+
+@each_kind
+def test_every_kind_of_joint_is_shown(kind):
+    """With as many axes as `joint_marks` has arrows, and an anchor unless it has no place of its own."""
+    world = oo.World()
+    bodies = [world.attach(oo.Body()) for _ in range(2 if True in kind.attached else 1)]
+    joint = kind.make(*bodies)
+    overlay = DebugOverlay(world, shapes=False, contacts=False)
+    found = by_colour(overlay)
+    marks = world.attach(oo.joint_marks(world))
+    arrows = sum("arrow" in mark.drawables()[0].mesh.name for mark in marks.children)
+    assert sum(colour in found for colour in looks.AXES) == arrows
+    free = isinstance(joint, oo.AngularMotor | oo.LinearMotor | oo.Plane2D)
+    assert (looks.ANCHORS[0] in found) != free
 
 
 def test_what_slides_has_two_heads():
