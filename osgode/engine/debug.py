@@ -14,8 +14,11 @@ from osgode.errors import FieldError, shown
 from osgode.fields import number
 from osgode.graph.frame import Lines
 from osgode.graph.lines import LineSet
-from osgode.maths import Float32Array, FloatArray, Vec3, pose_matrices
+from osgode.graph.node import Group
+from osgode.maths import Float32Array, FloatArray, Pose, Vec3, pose_matrices
+from osgode.nodes.base import nearest_body
 from osgode.nodes.geom import Geom
+from osgode.nodes.placeable import Placeable
 from osgode.nodes.plane import Plane
 from osgode.nodes.ray import Ray
 from osgode.nodes.spaces import Space
@@ -28,7 +31,7 @@ NO_RESPONSE = 0x7FFFFFFF
 
 AWAKE, ASLEEP = colour(70, 255, 90, 220), colour(45, 125, 80, 150)
 KINEMATIC, STATIC = colour(255, 165, 40, 235), colour(90, 150, 255, 130)
-FEELS, OFF, LOOKS = colour(255, 70, 225, 235), colour(150, 150, 150, 110), colour(255, 80, 60, 220)
+FEELS, OFF, LOOKS = colour(255, 70, 225, 235), colour(95, 95, 105, 200), colour(255, 80, 60, 220)
 """Sensors, what is disabled, rays."""
 AXES = (colour(255, 60, 50), colour(60, 230, 70), colour(70, 120, 255))
 DIM_AXES = (colour(255, 60, 50, 90), colour(60, 230, 70, 90), colour(70, 120, 255, 90))
@@ -114,7 +117,7 @@ class DebugOverlay(LineSet):
         if self.shapes:
             self._draw_shapes(picture)
         if self.boxes or self.spaces:
-            self._draw_boxes(picture)
+            self._draw_boxes(picture, world)
         if self.axes or self.centres:
             self._draw_bodies(picture)
         if self.joints:
@@ -132,7 +135,8 @@ class DebugOverlay(LineSet):
         nodes = [node if node is not None and node._slot == slot else None for slot, node in enumerate(nodes)]
         geoms = [node for node in nodes if isinstance(node, Geom)]
         placed = [geom for geom in geoms if not isinstance(geom, Plane)]
-        bodies = [geom.body for geom in placed]
+        parents = [geom.parent for geom in placed]
+        bodies = [nearest_body(parent) for parent in parents]
         rows = [-1 if body is None else body._index for body in bodies]
         segments = FINE if len(placed) <= MANY else COARSE
         pieces = [(k, piece) for k, geom in enumerate(placed) for piece in pieces_of(geom, segments)]
@@ -140,7 +144,7 @@ class DebugOverlay(LineSet):
         wires = [piece.wire for _, piece in pieces]
         scales = np.array([piece.scale for _, piece in pieces]).reshape(-1, 3)
         lifts = np.array([piece.lift for _, piece in pieces])
-        poses = np.array([(*pose.position, *pose.rotation) for pose in (geom._placement for geom in placed)])
+        poses = np.array([(*pose.position, *pose.rotation) for pose in map(_pose_of, parents)])
         poses = poses.reshape(-1, 7)
         matrices = pose_matrices(poses[:, :3], poses[:, 3:])[owners]
         matrices[:, :3, 3] += matrices[:, :3, 2] * lifts[:, None]
@@ -162,11 +166,7 @@ class DebugOverlay(LineSet):
             [*slots[owners[still]], *(plane._slot for plane in planes)],
         )
         self._still_points = self._still.points(np.identity(4)[None])
-        self._spaces = [
-            np.array([node._slot for node in space.walk() if isinstance(node, Geom) and node.is_live])
-            for space in nodes
-            if isinstance(space, Space)
-        ]
+        self._insides: list[Numbers] | None = None
         self._axes = self._axes_of_bodies()
 
     def _measure(
@@ -179,7 +179,7 @@ class DebugOverlay(LineSet):
     ) -> None:
         """How large geoms and bodies are, so that marks are no larger."""
         owners, wires, scales, lifts = pieces
-        corners = {id(wire): np.abs(wire).max(axis=(0, 1)) for wire in wires}
+        corners = {key: np.abs(wire).max(axis=(0, 1)) for key, wire in {id(wire): wire for wire in wires}.items()}
         reach = np.abs(scales) * np.array([corners[id(wire)] for wire in wires]).reshape(-1, 3)
         reach[:, 2] += np.abs(lifts)
         radii = np.zeros(len(placed))
@@ -225,14 +225,16 @@ class DebugOverlay(LineSet):
         picture.hidden.add(self._still_points, self._still.colours(looks))
         picture.hidden.add(self._moving.points(picture.table), self._moving.colours(looks, fading=True))
 
-    def _draw_boxes(self, picture: _Picture) -> None:
+    def _draw_boxes(self, picture: _Picture, world: World) -> None:
         low, high = picture.geoms["low"], picture.geoms["high"]
         finite = np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1)
         if self.boxes:
             alive = finite & (picture.geoms["flags"] & ALIVE != 0) & (high > low).any(axis=1)
             picture.hidden.add(_boxes(low[alive], high[alive]), BOXES)
         if self.spaces:
-            inside = [slots[finite[slots]] for slots in self._spaces if len(slots)]
+            if self._insides is None:
+                self._insides = _insides(world)
+            inside = [slots[finite[slots]] for slots in self._insides]
             inside = [slots for slots in inside if len(slots)]
             if inside:
                 low, high = (
@@ -289,6 +291,17 @@ class _Picture:
     def lines(self) -> list[Lines]:
         """The result."""
         return [*self.hidden.lines(in_front=False), *self.front.lines(in_front=True)]
+
+
+def _pose_of(parent: Group | None) -> Pose:
+    """Where a geom below ``parent`` is in its body, or in the static world."""
+    return parent.pose if isinstance(parent, Placeable) else Pose()
+
+
+def _insides(world: World) -> list[Numbers]:
+    """The slots of the geoms in each space, those in spaces within it included."""
+    spaces = [node for node in world.walk() if isinstance(node, Space)]
+    return [np.array([node._slot for node in space.walk() if isinstance(node, Geom)], np.intp) for space in spaces]
 
 
 def _boxes(low: FloatArray, high: FloatArray) -> Float32Array:
