@@ -17,8 +17,9 @@ from osgode.errors import (
 from osgode.graph.appearance import Appearance, Texture, load_texture
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Drawer, Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Bin, Drawer, Frame, Lines, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
+from osgode.graph.lines import LineSet
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
@@ -56,6 +57,7 @@ from osgode.nodes.body import Body
 from osgode.nodes.centreofmass import CentreOfMass
 from osgode.nodes.colliders import colliders
 from osgode.nodes.convex import ConvexHull
+from osgode.nodes.exports import StepTimings
 from osgode.nodes.feedback import CollisionFeedback
 from osgode.nodes.geom import Geom
 from osgode.nodes.heightdata import HeightData
@@ -113,7 +115,9 @@ __all__ = [
     "Joint",
     "Leaf",
     "LetGo",
+    "LineSet",
     "LinearMotor",
+    "Lines",
     "Mass",
     "MatrixTransform",
     "Mesh",
@@ -150,6 +154,7 @@ __all__ = [
     "Space",
     "Sphere",
     "StateError",
+    "StepTimings",
     "Sun",
     "Surface",
     "SurfaceTable",

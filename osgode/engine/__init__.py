@@ -7,7 +7,9 @@ from osgode.engine.camera import Camera
 from osgode.engine.clock import Accumulator, Clock, ClockConfig, HandTime, RealTime, Timer
 from osgode.engine.composite import CompositeObject, ControllableObject, carrier_of
 from osgode.engine.controllable import Controllable
+from osgode.engine.debug import DebugOverlay
 from osgode.engine.events import BINDINGS, Events, EventsConfig
+from osgode.engine.frametimings import FrameTimings
 from osgode.engine.hud import HudBox, HudElement, HudText, HudWindow
 from osgode.engine.inputs import (
     Focus,
@@ -21,6 +23,7 @@ from osgode.engine.inputs import (
     ScriptedInput,
     Wheel,
 )
+from osgode.engine.inspector import inspect
 from osgode.engine.keys import INPUTS
 from osgode.engine.module import Config, Module
 from osgode.engine.scene import Scene, SceneConfig
@@ -39,9 +42,11 @@ __all__ = [
     "Config",
     "Controllable",
     "ControllableObject",
+    "DebugOverlay",
     "Events",
     "EventsConfig",
     "Focus",
+    "FrameTimings",
     "HandTime",
     "HudBox",
     "HudElement",
@@ -64,4 +69,5 @@ __all__ = [
     "VideoConfig",
     "Wheel",
     "carrier_of",
+    "inspect",
 ]

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from osgode.errors import TreeError
 from osgode.graph.draw_list import Anchor, DrawList, Instance, frustum_planes, visible_sphere
-from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Frame, Lines, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Switch
+from osgode.graph.lines import LineSet
 from osgode.graph.node import Node
 from osgode.graph.projection import Projection
 from osgode.graph.transforms import PoseSource, Transform
@@ -28,6 +29,24 @@ class _Place(NamedTuple):
 
 
 _ROOT = _Place()
+
+
+class _Drawn(NamedTuple):
+    """Lines on one way from the root, and in which axes they are."""
+
+    node: LineSet
+    matrix: FloatArray | None
+    anchor: Anchor | None
+    row: int
+
+    def now(self, interpolation: float) -> list[Lines]:
+        """What is shown, in the axes of the root."""
+        lines = [each for each in self.node.lines(interpolation) if len(each)]
+        matrix = self.matrix
+        if self.anchor is not None and lines:
+            pose = self.anchor.source.matrices(interpolation)[self.row]
+            matrix = _product(self.anchor.matrix, _product(pose, matrix))
+        return lines if matrix is None else [each.moved(matrix) for each in lines]
 
 
 class CullVisitor(Visitor):
@@ -56,6 +75,7 @@ class CullVisitor(Visitor):
         self._projections: tuple[Projection, ...] = ()
         self._found_projections: list[Projection] = []
         self._anchors: list[Anchor] = []
+        self._line_sets: list[_Drawn] = []
         self._anchor_of: dict[int, int] = {}
 
     def cull(
@@ -98,6 +118,7 @@ class CullVisitor(Visitor):
             sun=sun,
             sky=Sky() if sky is None else sky,
             front=shown.front_bins(inside),
+            lines=[lines for drawn in self._line_sets for lines in drawn.now(interpolation)],
         )
 
     # -- the walk
@@ -112,6 +133,9 @@ class CullVisitor(Visitor):
         for shown in node.drawables():
             matrix = _product(place.matrix, shown.matrix)
             self._instances.append(Instance(shown.mesh, shown.appearance, matrix, place.anchor, place.row))
+        if isinstance(node, LineSet):
+            anchor = None if place.anchor is None else self._anchors[place.anchor]
+            self._line_sets.append(_Drawn(node, place.matrix, anchor, place.row))
         self.traverse(node)
 
     def visit_transform(self, node: Transform) -> None:
@@ -139,6 +163,7 @@ class CullVisitor(Visitor):
             self.visit_node(node)
 
     def _flatten(self) -> None:
+        self._line_sets = []
         try:
             self.visit(self.root)
             self._list = DrawList(self._instances, self._anchors)
