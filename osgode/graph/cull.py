@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
 
 from osgode.errors import TreeError
-from osgode.graph.draw_list import Anchor, DrawList, Instance, frustum_planes, visible_sphere
+from osgode.graph.draw_list import DrawList, Instance, frustum_planes, visible_sphere
 from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Switch
+from osgode.graph.movers import Anchor, Place, Tables
 from osgode.graph.node import Node
 from osgode.graph.transforms import PoseSource, Transform
 from osgode.graph.visitors import Visitor
-from osgode.maths import FloatArray
 
 SHADOW_REACH = 90.0
 """Metres of depth up to which shadows are wanted: as far as the renderer's coarser shadow map reaches."""
 
 
-class _Place(NamedTuple):
-    """The axes that the walk is in: ``matrix`` since the row of an anchor's table, or since the root."""
-
-    matrix: FloatArray | None = None
-    anchor: int | None = None
-    row: int = 0
-
-
-_ROOT = _Place()
+_ROOT = Place()
 
 
 class CullVisitor(Visitor):
@@ -82,7 +73,7 @@ class CullVisitor(Visitor):
             self._flatten()
         sun = Sun() if sun is None else sun
         shown = self._list
-        shown.move(interpolation)
+        shown.move(Tables(interpolation))
         aspect = max(size[0], 1) / max(size[1], 1)  # a minimised window may have no height
         inside = shown.inside(frustum_planes(view, aspect))
         return Frame(
@@ -107,8 +98,7 @@ class CullVisitor(Visitor):
         if hasattr(node, "matrices"):  # a PoseSource: poses below it are in the axes that the walk is in now
             self._enter(node)
         for shown in node.drawables():
-            matrix = _product(place.matrix, shown.matrix)
-            self._instances.append(Instance(shown.mesh, shown.appearance, matrix, place.anchor, place.row))
+            self._instances.append(Instance(shown.mesh, shown.appearance, place.within(shown.matrix)))
         self.traverse(node)
 
     def visit_transform(self, node: Transform) -> None:
@@ -117,11 +107,11 @@ class CullVisitor(Visitor):
         posed = node.pose_row()
         if posed is not None:
             source, row = posed
-            self._place = _Place(None, self._anchor(source), row)
+            self._place = Place(None, self._anchor(source), row)
         elif node.absolute:
-            self._place = _Place(node.local_matrix())
+            self._place = Place(node.local_matrix())
         else:
-            self._place = outer._replace(matrix=_product(outer.matrix, node.local_matrix()))
+            self._place = outer.within(node.local_matrix())
         self.visit_node(node)
         self._place = outer
 
@@ -151,10 +141,3 @@ class CullVisitor(Visitor):
             self._anchor_of[id(source)] = len(self._anchors)
             self._anchors.append(Anchor(source, None))
         return self._anchor_of[id(source)]
-
-
-def _product(outer: FloatArray | None, inner: FloatArray | None) -> FloatArray | None:
-    """``outer @ inner``, None standing for the identity on both sides."""
-    if outer is None or inner is None:
-        return inner if outer is None else outer
-    return outer @ inner

@@ -83,11 +83,16 @@ class Bin:
 
     Args:
         matrices: (n, 4, 4) float32, ``v_world = matrix @ v_mesh``.
+        spheres: (n, 4), the centre and the radius of a sphere about each copy, in the world; None if nobody has
+            worked them out, then who needs them does.
+        mirrored: whether some of the copies may be turned inside out by their matrix; None if nobody knows.
     """
 
     mesh: Mesh
     appearance: Appearance
     matrices: Float32Array
+    spheres: FloatArray | None = None
+    mirrored: bool | None = None
 
 
 @dataclass(frozen=True)

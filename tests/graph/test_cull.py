@@ -471,3 +471,22 @@ def test_a_window_without_height() -> None:
     root = Group()
     root.attach(ball())
     assert CullVisitor(root).cull(FAR_VIEW, (0, 0)).size == (0, 0)
+
+
+@given(graphs())
+def test_bins_carry_their_bounds(root: Group) -> None:
+    """Each copy comes with a sphere that holds its every vertex, and mirrored ones are announced."""
+    mirror = MatrixTransform(np.diag([-1.0, 1.0, 1.0, 1.0]))
+    mirror.attach(root)
+    for top in (root, mirror):
+        frame = cull(top)
+        for each in frame.opaque + frame.transparent + frame.casters:
+            assert each.spheres is not None
+            assert each.spheres.shape == (len(each.matrices), 4)
+            matrices = each.matrices.astype(float)
+            for matrix, sphere in zip(matrices, each.spheres, strict=True):
+                corners = each.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+                assert np.linalg.norm(corners - sphere[:3], axis=1).max() <= sphere[3] + 1e-4
+            turned = bool((np.linalg.det(matrices[:, :3, :3]) < 0).any())
+            assert each.mirrored or not turned
+            assert turned or not each.mirrored or each not in frame.opaque
