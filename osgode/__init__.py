@@ -19,6 +19,7 @@ from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
 from osgode.graph.frame import Bin, Drawer, Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
+from osgode.graph.lod import LevelOfDetail, bounding_box
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
@@ -110,6 +111,7 @@ __all__ = [
     "Joint",
     "Leaf",
     "LetGo",
+    "LevelOfDetail",
     "LinearMotor",
     "Mass",
     "MatrixTransform",
@@ -165,6 +167,7 @@ __all__ = [
     "Visitor",
     "Wheel",
     "World",
+    "bounding_box",
     "box_drawable",
     "capsule_drawable",
     "centre_of_mass_drawable",

@@ -8,10 +8,12 @@ from osgode.errors import TreeError
 from osgode.graph.draw_list import DrawList, Instance, frustum_planes, visible_sphere
 from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Switch
+from osgode.graph.lod import Gate, Gates, LevelOfDetail
 from osgode.graph.movers import Anchor, Place, Tables
 from osgode.graph.node import Node
 from osgode.graph.transforms import PoseSource, Transform
 from osgode.graph.visitors import Visitor
+from osgode.maths import Pose
 
 SHADOW_REACH = 90.0
 """Metres of depth up to which shadows are wanted: as far as the renderer's coarser shadow map reaches."""
@@ -45,6 +47,11 @@ class CullVisitor(Visitor):
         self._instances: list[Instance] = []
         self._anchors: list[Anchor] = []
         self._anchor_of: dict[int, int] = {}
+        self._gates = Gates((), (), ())
+        self._before: tuple[int, ...] = ()
+        """The gates that the walk has passed."""
+        self._gate_list: list[Gate] = []
+        self._gate_places: list[Place] = []
 
     def cull(
         self,
@@ -73,7 +80,9 @@ class CullVisitor(Visitor):
             self._flatten()
         sun = Sun() if sun is None else sun
         shown = self._list
-        shown.move(Tables(interpolation))
+        tables = Tables(interpolation)
+        shown.move(tables)
+        shown.choose(self._gates.open(tables, view.pose.position))
         aspect = max(size[0], 1) / max(size[1], 1)  # a minimised window may have no height
         inside = shown.inside(frustum_planes(view, aspect))
         return Frame(
@@ -92,14 +101,9 @@ class CullVisitor(Visitor):
 
     def visit_node(self, node: Node) -> None:
         """List what the node shows and go on, unless it is hidden."""
-        if not node.visible:
-            return
-        place = self._place
-        if hasattr(node, "matrices"):  # a PoseSource: poses below it are in the axes that the walk is in now
-            self._enter(node)
-        for shown in node.drawables():
-            self._instances.append(Instance(shown.mesh, shown.appearance, place.within(shown.matrix)))
-        self.traverse(node)
+        if node.visible:
+            self._show(node)
+            self.traverse(node)
 
     def visit_transform(self, node: Transform) -> None:
         """Go on in the node's axes."""
@@ -120,13 +124,37 @@ class CullVisitor(Visitor):
         if node.on:
             self.visit_node(node)
 
+    def visit_level_of_detail(self, node: LevelOfDetail) -> None:
+        """Go on to each child behind a gate of its own."""
+        if not node.visible:
+            return
+        self._show(node)
+        number = len(self._gate_places)
+        self._gate_places.append(self._place.within(Pose(node.centre).matrix()))
+        before = self._before
+        for child, distances in zip(node.children, node.ranges, strict=True):
+            self._before = (*before, len(self._gate_list))
+            self._gate_list.append(Gate(number, distances))
+            self.visit(child)
+        self._before = before
+
+    def _show(self, node: Node) -> None:
+        place = self._place
+        if hasattr(node, "matrices"):  # a PoseSource: poses below it are in the axes that the walk is in now
+            self._enter(node)
+        for shown in node.drawables():
+            inner = place.within(shown.matrix)
+            self._instances.append(Instance(shown.mesh, shown.appearance, inner, self._before))
+
     def _flatten(self) -> None:
         try:
             self.visit(self.root)
             self._list = DrawList(self._instances, self._anchors)
+            self._gates = Gates(self._gate_places, self._gate_list, self._anchors)
             self._revision = self.root._revision
         finally:
-            self._place = _ROOT
+            self._place, self._before = _ROOT, ()
+            self._gate_list, self._gate_places = [], []
             self._instances, self._anchors, self._anchor_of = [], [], {}
 
     def _enter(self, source: PoseSource) -> None:

@@ -8,23 +8,22 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from osgode.graph.appearance import Appearance
 from osgode.graph.frame import Bin, Sun, View
+from osgode.graph.lod import Gated
 from osgode.graph.mesh import Mesh
-from osgode.graph.movers import Anchor, Movers, Place, Selection, Tables
+from osgode.graph.movers import Anchor, Marks, Movers, Place, Selection, Tables
 from osgode.maths import FloatArray, Vec3
-
-Marks = npt.NDArray[np.bool_]
 
 
 class Instance(NamedTuple):
-    """One drawable on one way from the root, and the axes of its mesh there."""
+    """One drawable on one way from the root, the axes of its mesh there, and the gates that must be open."""
 
     mesh: Mesh
     appearance: Appearance
     place: Place
+    gates: tuple[int, ...] = ()
 
 
 class DrawList:
@@ -69,6 +68,8 @@ class DrawList:
                 self._spheres[part, 3] *= largest_scales(anchor.matrix[None, :3, :3])
                 turned[part] ^= bool(np.linalg.det(anchor.matrix[:3, :3]) < 0)
         borders = pairwise(self._starts.tolist())
+        self._gated = Gated([each.gates for each in ordered])
+        self._chosen: Marks | None = None
         self._mirrored = [bool(turned[self._slots[first:end]].any()) for first, end in borders]
 
     def __len__(self) -> int:
@@ -97,13 +98,18 @@ class DrawList:
             self._matrices[part] = moved[:, :, :4]
             self._spheres[part, :3] = moved[:, :3, 4]
 
+    def choose(self, opened: Marks) -> None:
+        """Leave out what stands behind a gate that isn't marked; before `inside` and `caster_bins`."""
+        self._chosen = self._gated.passed(opened)
+
     def inside(self, planes: FloatArray) -> Marks:
-        """Which bounding spheres reach to the inner side of every plane, (k, 4) as of `frustum_planes`."""
+        """Which of those chosen reach to the inner side of every plane, (k, 4) as of `frustum_planes`."""
         weights = np.ones((len(planes), 4))  # the radius counts as much as a metre inwards
         weights[:, :3] = planes[:, :3]
         distances = weights @ self._spheres.T
         distances += planes[:, 3:]
-        return np.asarray(distances.min(axis=0) >= 0)[self._slots]
+        inside: Marks = np.asarray(distances.min(axis=0) >= 0)[self._slots]
+        return inside if self._chosen is None else inside & self._chosen
 
     def opaque_bins(self, inside: Marks) -> list[Bin]:
         """The opaque instances among those marked."""
@@ -127,7 +133,7 @@ class DrawList:
         return self._bins(np.flatnonzero(inside[self._behind :]) + self._behind)
 
     def caster_bins(self, sun: Sun, centre: Vec3, radius: float) -> list[Bin]:
-        """The instances whose shadow can fall into the sphere, wherever they are themselves."""
+        """Those chosen whose shadow can fall into the sphere, wherever they are themselves."""
         if not sun.shadows:
             return []
         offsets = self._spheres[:, :3] - centre
@@ -135,8 +141,10 @@ class DrawList:
         limits = self._spheres[:, 3] + radius
         # Seen along the light, the two spheres must overlap, and the caster must not lie behind.
         aside = np.einsum("ni,ni->n", offsets, offsets) - along * along
-        reaching = (aside <= limits * limits) & (along <= limits)
-        return self._bins(np.flatnonzero(reaching[self._slots[: self._casters]]))
+        reaching = ((aside <= limits * limits) & (along <= limits))[self._slots[: self._casters]]
+        if self._chosen is not None:
+            reaching &= self._chosen[: self._casters]
+        return self._bins(np.flatnonzero(reaching))
 
     def _bins(self, chosen: Selection) -> list[Bin]:
         """The instances at the given positions, which must ascend, one Bin per kind."""

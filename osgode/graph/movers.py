@@ -13,6 +13,7 @@ from osgode.graph.transforms import PoseSource
 from osgode.maths import FloatArray
 
 Selection = npt.NDArray[np.intp]
+Marks = npt.NDArray[np.bool_]
 IDENTITY = np.identity(4)
 
 

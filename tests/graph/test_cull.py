@@ -17,60 +17,21 @@ from osgode.errors import TreeError
 from osgode.graph.appearance import Appearance
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
 from osgode.graph.mesh import Mesh
 from osgode.graph.node import Group, Node
 from osgode.graph.primitives import box_mesh
 from osgode.graph.shapes import box_drawable, sphere_drawable
-from osgode.graph.transforms import MatrixTransform, PoseSource, PositionAttitudeTransform, Transform
+from osgode.graph.transforms import MatrixTransform, PositionAttitudeTransform, Transform
 from osgode.maths import FloatArray, Pose, Quat, Vec3, look_at
+from tests.graph.graphs import RED, Body, World, at, ball, places
 
 SIZE = (800, 600)
-RED, BLUE = Appearance((1, 0, 0)), Appearance((0, 0, 1))
+BLUE = Appearance((0, 0, 1))
 GLASS = Appearance((1, 1, 1, 0.5))
 FAR_VIEW = View(Pose(Vec3(0, 0, 2000)), field_of_view=1.0, far=5000)
 """From so far away that everything near the origin is in the picture."""
-
-
-class World(Group):
-    """Stands in for a physics World: poses in a table, counted readings."""
-
-    def __init__(self, poses: list[Pose]) -> None:
-        super().__init__(name="world")
-        self.poses = poses
-        self.asked: list[float] = []
-
-    def matrices(self, interpolation: float) -> FloatArray:
-        self.asked.append(interpolation)
-        return np.array([pose.matrix() for pose in self.poses])
-
-
-class Body(Transform):
-    """Stands in for a Body: a row of a World's table."""
-
-    def __init__(self, source: PoseSource, row: int) -> None:
-        super().__init__()
-        self.source, self.row = source, row
-
-    def local_matrix(self) -> FloatArray:
-        raise AssertionError("a body in a World is drawn from the World's table")
-
-    def pose_row(self) -> tuple[PoseSource, int]:
-        return self.source, self.row
-
-
-def at(x: float, y: float = 0.0, z: float = 0.0) -> PositionAttitudeTransform:
-    return PositionAttitudeTransform(position=(x, y, z))
-
-
-def ball(look: Appearance = RED, radius: float = 0.5) -> Leaf:
-    return Leaf([sphere_drawable(radius, look)])
-
-
-def places(bins: list[Bin]) -> list[tuple[float, ...]]:
-    """Where the instances of the bins are, in order."""
-    return [tuple(np.round(matrix[:3, 3].astype(np.float64), 4).tolist()) for each in bins for matrix in each.matrices]
 
 
 def cull(root: Node, view: View = FAR_VIEW, **options: Sun) -> Frame:
