@@ -23,6 +23,7 @@ from osgode.graph.lod import LevelOfDetail, bounding_box
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
+from osgode.graph.picking import Pick
 from osgode.graph.shapes import (
     box_drawable,
     capsule_drawable,
@@ -125,6 +126,7 @@ __all__ = [
     "ParameterError",
     "PhysicsError",
     "PhysicsNode",
+    "Pick",
     "Piston",
     "Placeable",
     "Plane",

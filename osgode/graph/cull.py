@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from weakref import ref
+
+import numpy as np
 
 from osgode.errors import TreeError
-from osgode.graph.draw_list import DrawList, Instance, frustum_planes, visible_sphere
+from osgode.graph.draw_list import DrawList, Instance, Trail, frustum_planes, visible_sphere
 from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Switch
 from osgode.graph.lod import Gate, Gates, LevelOfDetail
 from osgode.graph.movers import Anchor, Place, Tables
 from osgode.graph.node import Node
+from osgode.graph.picking import Line, Pick
 from osgode.graph.transforms import PoseSource, Transform
 from osgode.graph.visitors import Visitor
 from osgode.maths import Pose
@@ -44,6 +48,7 @@ class CullVisitor(Visitor):
         self._revision = -1
         self._list = DrawList((), ())
         self._place = _ROOT
+        self._trail: Trail | None = None
         self._instances: list[Instance] = []
         self._anchors: list[Anchor] = []
         self._anchor_of: dict[int, int] = {}
@@ -76,13 +81,8 @@ class CullVisitor(Visitor):
         Raises:
             TreeError: if moving poses stand below other moving poses (a World below a Body of another World).
         """
-        if self.root._revision != self._revision:
-            self._flatten()
         sun = Sun() if sun is None else sun
-        shown = self._list
-        tables = Tables(interpolation)
-        shown.move(tables)
-        shown.choose(self._gates.open(tables, view.pose.position))
+        shown = self._prepare(view, interpolation)
         aspect = max(size[0], 1) / max(size[1], 1)  # a minimised window may have no height
         inside = shown.inside(frustum_planes(view, aspect))
         return Frame(
@@ -97,7 +97,45 @@ class CullVisitor(Visitor):
             front=shown.front_bins(inside),
         )
 
+    def pick(self, view: View, size: tuple[int, int], x: float, y: float, interpolation: float = 1.0) -> Pick | None:
+        """What is seen at a point of the picture that `cull` would give, or None where that is the sky.
+
+        Triangles are met exactly where they are drawn, but a hole in a texture counts as surface, and so does what is
+        transparent. What is drawn in front of everything is met first.
+
+        Args:
+            view: the camera, in the axes of the root.
+            size: of the picture, pixels (width, height).
+            x: pixels from the left of the picture, see `View.ray`.
+            y: pixels from its top.
+            interpolation: 1 for the poses after the last step, 0 for those before it.
+
+        Raises:
+            FieldError: if the point or the size is not one.
+            TreeError: as `cull`.
+        """
+        origin, direction = view.ray(x, y, size)
+        ahead = direction.dot(view.pose.rotation.rotate((0.0, 0.0, -1.0)))  # metres of depth per metre
+        line = Line(np.array(origin), np.array(direction), view.near / ahead, view.far / ahead)
+        return self._prepare(view, interpolation).first_met(line)
+
+    def _prepare(self, view: View, interpolation: float) -> DrawList:
+        """The list as it is now, moved, and chosen from by the camera's place."""
+        if self.root._revision != self._revision:
+            self._flatten()
+        tables = Tables(interpolation)
+        self._list.move(tables)
+        self._list.choose(self._gates.open(tables, view.pose.position))
+        return self._list
+
     # -- the walk
+
+    def visit(self, node: Node) -> None:
+        """Call this visitor's method for ``node``, and keep the way to it."""
+        above = self._trail
+        self._trail = Trail(above, ref(node))
+        super().visit(node)
+        self._trail = above
 
     def visit_node(self, node: Node) -> None:
         """List what the node shows and go on, unless it is hidden."""
@@ -139,12 +177,11 @@ class CullVisitor(Visitor):
         self._before = before
 
     def _show(self, node: Node) -> None:
-        place = self._place
+        place, trail = self._place, self._trail or Trail(None, ref(node))
         if hasattr(node, "matrices"):  # a PoseSource: poses below it are in the axes that the walk is in now
             self._enter(node)
         for shown in node.drawables():
-            inner = place.within(shown.matrix)
-            self._instances.append(Instance(shown.mesh, shown.appearance, inner, self._before))
+            self._instances.append(Instance(shown, place.within(shown.matrix), trail, self._before))
 
     def _flatten(self) -> None:
         try:
@@ -153,7 +190,7 @@ class CullVisitor(Visitor):
             self._gates = Gates(self._gate_places, self._gate_list, self._anchors)
             self._revision = self.root._revision
         finally:
-            self._place, self._before = _ROOT, ()
+            self._place, self._trail, self._before = _ROOT, None, ()
             self._gate_list, self._gate_places = [], []
             self._instances, self._anchors, self._anchor_of = [], [], {}
 

@@ -6,23 +6,43 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
+from weakref import ReferenceType
 
 import numpy as np
 
 from osgode.graph.appearance import Appearance
+from osgode.graph.drawable import Drawable
 from osgode.graph.frame import Bin, Sun, View
 from osgode.graph.lod import Gated
 from osgode.graph.mesh import Mesh
 from osgode.graph.movers import Anchor, Marks, Movers, Place, Selection, Tables
+from osgode.graph.node import Node
+from osgode.graph.picking import Line, Pick, cross, entries
 from osgode.maths import FloatArray, Vec3
+
+
+class Trail(NamedTuple):
+    """The way from the root to a node: what is above it, and the node itself, which isn't kept alive."""
+
+    above: Trail | None
+    node: ReferenceType[Node]
+
+    def nodes(self) -> tuple[Node, ...]:
+        """The nodes, the root first; those that are gone are left out."""
+        trail: Trail | None = self
+        found = []
+        while trail is not None:
+            found.append(trail.node())
+            trail = trail.above
+        return tuple(node for node in reversed(found) if node is not None)
 
 
 class Instance(NamedTuple):
     """One drawable on one way from the root, the axes of its mesh there, and the gates that must be open."""
 
-    mesh: Mesh
-    appearance: Appearance
+    drawable: Drawable
     place: Place
+    trail: Trail
     gates: tuple[int, ...] = ()
 
 
@@ -41,6 +61,7 @@ class DrawList:
     def __init__(self, instances: Sequence[Instance], anchors: Sequence[Anchor]) -> None:
         self._keys: list[tuple[Mesh, Appearance]] = []
         ordered, self._bin_of = self._sorted(instances)
+        self._ordered = ordered
         count = len(ordered)
         self._starts: Selection = np.searchsorted(self._bin_of, np.arange(len(self._keys) + 1))
         looks = [self._keys[k][1] for k in self._bin_of]
@@ -53,13 +74,13 @@ class DrawList:
         columns = np.zeros((count, 4, 5))
         columns[:, :, :4] = np.identity(4)
         if count:
-            columns[:, :, 4] = [(*each.mesh.centre, 1.0) for each in ordered]
+            columns[:, :, 4] = [(*each.drawable.mesh.centre, 1.0) for each in ordered]
         self._movers = Movers([each.place for each in ordered], columns, anchors)
         self._slots = self._movers.slots
         start = self._movers.start
         self._spheres = np.empty((count, 4))
         self._spheres[:, :3] = start[:, :3, 4]
-        self._spheres[self._slots, 3] = [each.mesh.radius for each in ordered]
+        self._spheres[self._slots, 3] = [each.drawable.mesh.radius for each in ordered]
         self._spheres[:, 3] *= largest_scales(start[:, :3, :3])
         self._matrices = start[:, :, :4].astype(np.float32)
         turned = np.linalg.det(start[:, :3, :3]) < 0
@@ -81,14 +102,14 @@ class DrawList:
         # Hashing an Appearance is slow, and most instances share one: look it up by identity first.
         by_identity: dict[tuple[int, int], list[Instance]] = {}
         for each in instances:
-            identity = (id(each.mesh), id(each.appearance))
+            mesh, look = each.drawable.mesh, each.drawable.appearance
+            identity = (id(mesh), id(look))
             same = by_identity.get(identity)
             if same is None:
-                same = by_identity[identity] = by_look.setdefault((id(each.mesh), each.appearance), [])
+                same = by_identity[identity] = by_look.setdefault((id(mesh), look), [])
             same.append(each)
-        looks = ("in_front", "transparent", "unlit")
-        bins = sorted(by_look.values(), key=lambda same: tuple(getattr(same[0].appearance, look) for look in looks))
-        self._keys = [(same[0].mesh, same[0].appearance) for same in bins]
+        bins = sorted(by_look.values(), key=lambda same: _rank(same[0].drawable.appearance))
+        self._keys = [(same[0].drawable.mesh, same[0].drawable.appearance) for same in bins]
         numbers = np.repeat(np.arange(len(bins)), [len(same) for same in bins])
         return [each for same in bins for each in same], numbers
 
@@ -146,6 +167,32 @@ class DrawList:
             reaching &= self._chosen[: self._casters]
         return self._bins(np.flatnonzero(reaching))
 
+    def first_met(self, line: Line) -> Pick | None:
+        """What of those chosen a ray meets first; what is drawn in front of everything comes before all else."""
+        begins = entries(line, self._spheres)[self._slots]
+        if self._chosen is not None:
+            begins[~self._chosen] = np.inf
+        return self._first(line, begins, self._behind, len(self)) or self._first(line, begins, 0, self._behind)
+
+    def _first(self, line: Line, begins: FloatArray, start: int, end: int) -> Pick | None:
+        nearest, found = line.far, None
+        order = np.argsort(begins[start:end], kind="stable") + start
+        for k in order[: np.isfinite(begins[start:end]).sum()].tolist():
+            if begins[k] > nearest:
+                break
+            instance, matrix = self._ordered[k], self._matrices[self._slots[k]].astype(np.float64)
+            met = cross(line._replace(far=nearest), instance.drawable.mesh, matrix)
+            if met is not None and (found is None or met.t < nearest):
+                nearest, found = met.t, (instance, met)
+        if found is None:
+            return None
+        instance, met = found
+        normal = Vec3(*met.normal.tolist()).normalized()
+        if normal.dot(line.direction) > 0.0:
+            normal = -normal
+        point = Vec3(*(line.origin + met.t * line.direction).tolist())
+        return Pick(instance.trail.nodes(), instance.drawable, met.triangle, point, normal, met.t)
+
     def _bins(self, chosen: Selection) -> list[Bin]:
         """The instances at the given positions, which must ascend, one Bin per kind."""
         return self._cut(chosen, range(len(self._keys)), np.searchsorted(chosen, self._starts).tolist())
@@ -159,6 +206,10 @@ class DrawList:
             for kind, (first, end) in zip(kinds, pairwise(borders), strict=True)
             if first < end
         ]
+
+
+def _rank(look: Appearance) -> tuple[bool, bool, bool]:
+    return look.in_front, look.transparent, look.unlit
 
 
 def largest_scales(linear: FloatArray) -> FloatArray:

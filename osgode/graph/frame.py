@@ -6,14 +6,16 @@ look at a Frame instead of at pixels.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
+from osgode.errors import FieldError
 from osgode.graph.appearance import Appearance, Texture
 from osgode.graph.mesh import Mesh
-from osgode.maths import Float32Array, FloatArray, Pose, Vec3
+from osgode.maths import Float32Array, FloatArray, Pose, Vec3, finite
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,26 @@ class View:
         out[2, 3] = 2 * r * n / (n - r)
         out[3, 2] = -1.0
         return out
+
+    def ray(self, x: float, y: float, size: tuple[int, int]) -> tuple[Vec3, Vec3]:
+        """What lies behind a point of the picture: the eye, and the direction of length 1 from there, in the world.
+
+        Args:
+            x: pixels from the left of the picture; the middle of the first pixel is at 0.5.
+            y: pixels from its top.
+            size: of the picture, pixels (width, height).
+
+        Raises:
+            FieldError: if the point is not two finite numbers, or the size not two positive ones.
+        """
+        width, height = size
+        if not (width > 0 and height > 0):
+            raise FieldError(f"View.ray: size is {size!r}; both must be above 0")
+        if not finite((x, y)):
+            raise FieldError(f"View.ray: the point is {(x, y)!r}; it must be two finite numbers")
+        slope = math.tan(self.field_of_view / 2)
+        right, up = (2.0 * x - width) / height * slope, (1.0 - 2.0 * y / height) * slope
+        return self.pose.position, self.pose.rotation.rotate(Vec3(right, up, -1.0).normalized())
 
 
 @dataclass(frozen=True)
