@@ -17,8 +17,9 @@ from osgode.errors import (
 from osgode.graph.appearance import Appearance, Texture, load_texture
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Drawer, Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Bin, Drawer, Frame, Light, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
+from osgode.graph.lights import PointLight, SpotLight
 from osgode.graph.lod import LevelOfDetail, bounding_box
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
@@ -113,6 +114,7 @@ __all__ = [
     "Leaf",
     "LetGo",
     "LevelOfDetail",
+    "Light",
     "LinearMotor",
     "Mass",
     "MatrixTransform",
@@ -131,6 +133,7 @@ __all__ = [
     "Placeable",
     "Plane",
     "Plane2D",
+    "PointLight",
     "Pose",
     "PositionAttitudeTransform",
     "QuadTreeSpace",
@@ -147,6 +150,7 @@ __all__ = [
     "Slider",
     "Space",
     "Sphere",
+    "SpotLight",
     "StateError",
     "Sun",
     "Surface",

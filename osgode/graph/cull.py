@@ -11,8 +11,9 @@ from osgode.errors import TreeError
 from osgode.graph.draw_list import DrawList, Instance, Trail, frustum_planes, visible_sphere
 from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Switch
+from osgode.graph.lights import Lamp, Lamps, PointLight
 from osgode.graph.lod import Gate, Gates, LevelOfDetail
-from osgode.graph.movers import Anchor, Place, Tables
+from osgode.graph.movers import Anchor, Marks, Place, Tables
 from osgode.graph.node import Node
 from osgode.graph.picking import Line, Pick
 from osgode.graph.transforms import PoseSource, Transform
@@ -57,6 +58,8 @@ class CullVisitor(Visitor):
         """The gates that the walk has passed."""
         self._gate_list: list[Gate] = []
         self._gate_places: list[Place] = []
+        self._lamps = Lamps((), ())
+        self._lamp_list: list[Lamp] = []
 
     def cull(
         self,
@@ -82,9 +85,11 @@ class CullVisitor(Visitor):
             TreeError: if moving poses stand below other moving poses (a World below a Body of another World).
         """
         sun = Sun() if sun is None else sun
-        shown = self._prepare(view, interpolation)
+        tables, opened = self._prepare(view, interpolation)
+        shown = self._list
         aspect = max(size[0], 1) / max(size[1], 1)  # a minimised window may have no height
-        inside = shown.inside(frustum_planes(view, aspect))
+        planes = frustum_planes(view, aspect)
+        inside = shown.inside(planes)
         return Frame(
             view=view,
             size=size,
@@ -95,6 +100,7 @@ class CullVisitor(Visitor):
             sun=sun,
             sky=Sky() if sky is None else sky,
             front=shown.front_bins(inside),
+            lights=self._lamps.lights(tables, opened, planes, view.pose.position),
         )
 
     def pick(self, view: View, size: tuple[int, int], x: float, y: float, interpolation: float = 1.0) -> Pick | None:
@@ -117,16 +123,18 @@ class CullVisitor(Visitor):
         origin, direction = view.ray(x, y, size)
         ahead = direction.dot(view.pose.rotation.rotate((0.0, 0.0, -1.0)))  # metres of depth per metre
         line = Line(np.array(origin), np.array(direction), view.near / ahead, view.far / ahead)
-        return self._prepare(view, interpolation).first_met(line)
+        self._prepare(view, interpolation)
+        return self._list.first_met(line)
 
-    def _prepare(self, view: View, interpolation: float) -> DrawList:
-        """The list as it is now, moved, and chosen from by the camera's place."""
+    def _prepare(self, view: View, interpolation: float) -> tuple[Tables, Marks]:
+        """Bring the list up to date: as the tree is now, moved, and chosen from by which gates are open."""
         if self.root._revision != self._revision:
             self._flatten()
         tables = Tables(interpolation)
         self._list.move(tables)
-        self._list.choose(self._gates.open(tables, view.pose.position))
-        return self._list
+        opened = self._gates.open(tables, view.pose.position)
+        self._list.choose(opened)
+        return tables, opened
 
     # -- the walk
 
@@ -176,6 +184,12 @@ class CullVisitor(Visitor):
             self.visit(child)
         self._before = before
 
+    def visit_point_light(self, node: PointLight) -> None:
+        """List the lamp, unless it is hidden."""
+        if node.visible:
+            self._lamp_list.append(Lamp(ref(node), self._place, self._before))
+        self.visit_node(node)
+
     def _show(self, node: Node) -> None:
         place, trail = self._place, self._trail or Trail(None, ref(node))
         if hasattr(node, "matrices"):  # a PoseSource: poses below it are in the axes that the walk is in now
@@ -187,11 +201,12 @@ class CullVisitor(Visitor):
         try:
             self.visit(self.root)
             self._list = DrawList(self._instances, self._anchors)
+            self._lamps = Lamps(self._lamp_list, self._anchors)
             self._gates = Gates(self._gate_places, self._gate_list, self._anchors)
             self._revision = self.root._revision
         finally:
             self._place, self._trail, self._before = _ROOT, None, ()
-            self._gate_list, self._gate_places = [], []
+            self._gate_list, self._gate_places, self._lamp_list = [], [], []
             self._instances, self._anchors, self._anchor_of = [], [], {}
 
     def _enter(self, source: PoseSource) -> None:

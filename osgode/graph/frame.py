@@ -99,6 +99,32 @@ class Sky:
     haze: float | None = 400.0
 
 
+MAX_LIGHTS = 8
+"""How many lights a picture may have beside the sun."""
+
+
+@dataclass(frozen=True)
+class Light:
+    """A lamp in the world, without shadows.
+
+    Args:
+        position: where it is, metres.
+        colour: red, green, blue, as of the `Sun`; what arrives at a distance ``d`` is this times
+            ``(1 - (d / reach)**2)**2``.
+        reach: metres beyond which nothing arrives.
+        direction: the middle of its cone, of length 1; None if it shines to all sides.
+        outer: the angle from there to where the cone ends, radians.
+        inner: the angle up to which it is fully bright, below ``outer``.
+    """
+
+    position: Vec3
+    colour: tuple[float, float, float]
+    reach: float
+    direction: Vec3 | None = None
+    outer: float = math.pi / 2
+    inner: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Bin:
     """Many copies of one mesh with one appearance: one instanced draw.
@@ -147,7 +173,7 @@ class Frame:
     ``opaque`` and ``transparent`` hold what the camera sees, ``transparent`` from far to near (each Bin a run
     of neighbours in that order with the same mesh and appearance); ``casters`` what throws shadows into
     the picture; ``front`` what is seen through all of these, as if they weren't there, opaque before transparent;
-    ``overlay`` is drawn last, in order.
+    ``overlay`` is drawn last, in order. ``lights`` shine beside the sun, at most `MAX_LIGHTS` of them.
     """
 
     view: View
@@ -159,6 +185,7 @@ class Frame:
     sun: Sun = Sun()
     sky: Sky = Sky()
     front: list[Bin] = field(default_factory=list)
+    lights: list[Light] = field(default_factory=list)
 
 
 class Drawer(Protocol):
