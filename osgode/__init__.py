@@ -17,13 +17,14 @@ from osgode.errors import (
 from osgode.graph.appearance import Appearance, Texture, load_texture
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Drawer, Frame, Light, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Bin, Drawer, Frame, Light, Rectangle, Sky, Sprites, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
 from osgode.graph.lights import PointLight, SpotLight
 from osgode.graph.lod import LevelOfDetail, bounding_box
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
+from osgode.graph.particles import Particles
 from osgode.graph.picking import Pick
 from osgode.graph.shapes import (
     box_drawable,
@@ -32,6 +33,7 @@ from osgode.graph.shapes import (
     cylinder_drawable,
     sphere_drawable,
 )
+from osgode.graph.spray import DUST, FIRE, SMOKE, SPARKS, Spray
 from osgode.graph.transforms import MatrixTransform, PositionAttitudeTransform, Transform
 from osgode.graph.visitors import UpdateVisitor, Visitor
 from osgode.joints.ball import Ball
@@ -77,9 +79,13 @@ from osgode.nodes.world import World
 __version__ = "0.1.0"
 
 __all__ = [
+    "DUST",
+    "FIRE",
     "PR",
     "PU",
     "PUBLISHED",
+    "SMOKE",
+    "SPARKS",
     "AngularMotor",
     "Appearance",
     "Assembly",
@@ -126,6 +132,7 @@ __all__ = [
     "Node",
     "OsgodeError",
     "ParameterError",
+    "Particles",
     "PhysicsError",
     "PhysicsNode",
     "Pick",
@@ -151,6 +158,8 @@ __all__ = [
     "Space",
     "Sphere",
     "SpotLight",
+    "Spray",
+    "Sprites",
     "StateError",
     "Sun",
     "Surface",

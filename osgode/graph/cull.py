@@ -15,6 +15,7 @@ from osgode.graph.lights import Lamp, Lamps, PointLight
 from osgode.graph.lod import Gate, Gates, LevelOfDetail
 from osgode.graph.movers import Anchor, Marks, Place, Tables
 from osgode.graph.node import Node
+from osgode.graph.particles import Cloud, Clouds, Particles
 from osgode.graph.picking import Line, Pick
 from osgode.graph.transforms import PoseSource, Transform
 from osgode.graph.visitors import Visitor
@@ -60,6 +61,8 @@ class CullVisitor(Visitor):
         self._gate_places: list[Place] = []
         self._lamps = Lamps((), ())
         self._lamp_list: list[Lamp] = []
+        self._clouds = Clouds(())
+        self._cloud_list: list[Cloud] = []
 
     def cull(
         self,
@@ -101,6 +104,7 @@ class CullVisitor(Visitor):
             sky=Sky() if sky is None else sky,
             front=shown.front_bins(inside),
             lights=self._lamps.lights(tables, opened, planes, view.pose.position),
+            particles=self._clouds.sprites(opened, planes, view.pose.position),
         )
 
     def pick(self, view: View, size: tuple[int, int], x: float, y: float, interpolation: float = 1.0) -> Pick | None:
@@ -190,6 +194,12 @@ class CullVisitor(Visitor):
             self._lamp_list.append(Lamp(ref(node), self._place, self._before))
         self.visit_node(node)
 
+    def visit_particles(self, node: Particles) -> None:
+        """List the particles, unless they are hidden."""
+        if node.visible:
+            self._cloud_list.append(Cloud(ref(node), self._before))
+        self.visit_node(node)
+
     def _show(self, node: Node) -> None:
         place, trail = self._place, self._trail or Trail(None, ref(node))
         if hasattr(node, "matrices"):  # a PoseSource: poses below it are in the axes that the walk is in now
@@ -202,11 +212,12 @@ class CullVisitor(Visitor):
             self.visit(self.root)
             self._list = DrawList(self._instances, self._anchors)
             self._lamps = Lamps(self._lamp_list, self._anchors)
+            self._clouds = Clouds(self._cloud_list)
             self._gates = Gates(self._gate_places, self._gate_list, self._anchors)
             self._revision = self.root._revision
         finally:
             self._place, self._trail, self._before = _ROOT, None, ()
-            self._gate_list, self._gate_places, self._lamp_list = [], [], []
+            self._gate_list, self._gate_places, self._lamp_list, self._cloud_list = [], [], [], []
             self._instances, self._anchors, self._anchor_of = [], [], {}
 
     def _enter(self, source: PoseSource) -> None:

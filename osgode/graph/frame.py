@@ -143,6 +143,20 @@ class Bin:
     mirrored: bool | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Sprites:
+    """Many soft round patches that face the camera: one instanced draw.
+
+    Args:
+        rows: (n, 12) float32, in the order in which they are drawn: where the middle is (3), the radius in metres,
+            red, green, blue and opacity (4, from 0 to 1), the vector along which it is drawn out in metres (3), and 0.
+        additive: whether they shine and add to what is behind them, instead of hiding it and being lit.
+    """
+
+    rows: Float32Array
+    additive: bool = False
+
+
 @dataclass(frozen=True)
 class Rectangle:
     """A filled rectangle of the overlay, in pixels from the top left."""
@@ -173,7 +187,8 @@ class Frame:
     ``opaque`` and ``transparent`` hold what the camera sees, ``transparent`` from far to near (each Bin a run
     of neighbours in that order with the same mesh and appearance); ``casters`` what throws shadows into
     the picture; ``front`` what is seen through all of these, as if they weren't there, opaque before transparent;
-    ``overlay`` is drawn last, in order. ``lights`` shine beside the sun, at most `MAX_LIGHTS` of them.
+    ``particles`` come after what is transparent, in order; ``overlay`` is drawn last, in order. ``lights`` shine
+    beside the sun, at most `MAX_LIGHTS` of them.
     """
 
     view: View
@@ -186,6 +201,7 @@ class Frame:
     sky: Sky = Sky()
     front: list[Bin] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
+    particles: list[Sprites] = field(default_factory=list)
 
 
 class Drawer(Protocol):

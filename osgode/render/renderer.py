@@ -18,6 +18,7 @@ from osgode.render.culling import plain
 from osgode.render.overlay import Overlay
 from osgode.render.resources import SHADOW_UNIT, TEXTURE_UNIT, FrameBlock, InstanceBuffer, Resources
 from osgode.render.shadows import Cascade, ShadowMap, light_axes, select
+from osgode.render.sprites import SpriteDrawer
 
 if TYPE_CHECKING:
     import moderngl
@@ -94,6 +95,7 @@ class GLRenderer:
         self._sky_program = self._resources.program(shaders.SKY_VERTEX, shaders.SKY_FRAGMENT)
         self._sky = context.vertex_array(self._sky_program, [])
         self._overlay = Overlay(context, self._resources)
+        self._sprites = SpriteDrawer(context, self._resources)
         self._lamps: list[str] = []
         """What surfaces must do for the lights of the frame, as features of their shader."""
         self.counts = Counts()
@@ -134,6 +136,7 @@ class GLRenderer:
         context.disable(context.CULL_FACE)
         self._sky.render(vertices=3)
         draws += 1 + self._draw_transparent(frame.transparent, firsts[len(frame.opaque) :], shadowed, target)
+        draws += self._sprites.draw(frame.particles, target)
         draws += self._draw_front(frame.front, firsts[len(frame.opaque) + len(frame.transparent) :], target)
         draws += self._overlay.draw(frame.overlay, frame.size)
         self.counts = Counts(draws, sum(map(len, blocks)), self._resources.mesh_count, self._resources.texture_count)

@@ -217,6 +217,69 @@ void main() {
 }
 """
 
+_SPRITE_VERTEX = """
+layout(location = 0) in vec4 in_place;
+layout(location = 1) in vec4 in_colour;
+layout(location = 2) in vec4 in_streak;
+
+out vec2 v_corner;
+out vec4 v_colour;
+out float v_haze;
+out vec3 v_side;
+out vec3 v_along;
+out vec3 v_towards;
+
+void main() {
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+    vec3 way = u_eye.xyz - in_place.xyz;
+    float away = length(way);
+    vec3 to_eye = way / max(away, 1e-6);
+    // What is seen of the streak; a round one stands upright in the picture.
+    vec3 streak = in_streak.xyz - to_eye * dot(in_streak.xyz, to_eye);
+    float drawn = length(streak);
+    vec3 up = abs(to_eye.y) < 0.999 ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+    vec3 along = drawn > 1e-5 ? streak / drawn : normalize(up - to_eye * dot(up, to_eye));
+    vec3 side = cross(along, to_eye);
+    vec3 place = in_place.xyz + corner.x * in_place.w * side + corner.y * (in_place.w + 0.5 * drawn) * along;
+    v_corner = corner;
+    vec3 c = in_colour.rgb;
+    c = mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+    // Before the eye it fades out, so that nobody runs into a wall of it.
+    v_colour = vec4(c, in_colour.a * smoothstep(0.2, 1.0, away / max(2.0 * in_place.w, 0.3)));
+    float thickness = away * u_eye.w;
+    v_haze = exp(-thickness * thickness);
+    v_side = side;
+    v_along = along;
+    v_towards = to_eye;
+    gl_Position = u_view_projection * vec4(place, 1.0);
+}
+"""
+
+_SPRITE_FRAGMENT = """
+in vec2 v_corner;
+in vec4 v_colour;
+in float v_haze;
+in vec3 v_side;
+in vec3 v_along;
+in vec3 v_towards;
+
+out vec4 out_colour;
+
+void main() {
+    float inner = max(1.0 - dot(v_corner, v_corner), 0.0);
+    float alpha = v_colour.a * inner * inner;
+#ifdef ADDITIVE
+    out_colour = vec4(encode(v_colour.rgb) * (alpha * v_haze), 0.0);
+#else
+    // As a ball that lets light through: brighter towards the sun, but nowhere black.
+    vec3 n = v_side * v_corner.x + v_along * v_corner.y + v_towards * sqrt(inner);
+    vec3 light = u_ambient.rgb * (0.85 + 0.15 * n.y) + u_sun.rgb * (0.4 + 0.35 * dot(n, u_to_sun.xyz));
+    vec3 colour = mix(u_horizon.rgb, v_colour.rgb * light, v_haze);
+    out_colour = vec4(encode(colour) * alpha, alpha);
+#endif
+}
+"""
+
 _SHADOW_VERTEX = """
 uniform vec4 u_cascade;
 
@@ -259,6 +322,10 @@ void main() {}
 """
 SKY_VERTEX = _FRAME + _SKY_VERTEX
 SKY_FRAGMENT = _FRAME + _ENCODE + _SKY_FRAGMENT
+
+SPRITE_VERTEX = _FRAME + _SPRITE_VERTEX
+SPRITE_FRAGMENTS = tuple(_FRAME + define + _ENCODE + _SPRITE_FRAGMENT for define in ("", "#define ADDITIVE\n"))
+"""For those that hide what is behind them, and for those that add to it."""
 
 OVERLAY_VERTEX = """#version 330 core
 layout(location = 0) in vec2 in_place;
