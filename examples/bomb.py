@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import osgode as oo
 from osgode.examples.runner import Example, Orbit, expect, look, painted, run
@@ -44,7 +45,7 @@ class Bomb(Example):
         self.glow = self.fuse.attach(oo.PointLight((1.6, 0.9, 0.35), reach=4))
 
         place = self.root.attach(oo.PositionAttitudeTransform(position=(0, 0.4, 0)))
-        ball = {"velocity": (0, 6, 0), "spread": math.pi}
+        ball: dict[str, Any] = {"velocity": (0, 6, 0), "spread": math.pi}
         self.bursts = [
             (place.attach(oo.Particles(oo.SMOKE, **ball, drag=3.5, size=(0.4, 1.5), lifetime=4, seed=2)), 70),
             (place.attach(oo.Particles(oo.FIRE, **ball, drag=5, size=(0.6, 0.3), radius=0.4, seed=3)), 50),

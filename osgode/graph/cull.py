@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from weakref import ref
+from typing import NamedTuple
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
@@ -28,13 +29,23 @@ SHADOW_REACH = 90.0
 _ROOT = Place()
 
 
+class _Branch(NamedTuple):
+    """What stands below a moving transform, as the walk has found it at a revision, at a place, on its way there."""
+
+    revision: int
+    place: Place
+    gates: tuple[int, ...]
+    trail: Trail | None
+    shown: list[Instance]
+
+
 class CullVisitor(Visitor):
     """Turns what is below a root into Frames.
 
     The walk through the nodes writes everything visible into a flat list, and is done again only when the tree
-    below the root has changed. For each picture the list is moved by the poses in bulk and culled in bulk: no
-    Python runs per node. Bounding spheres are tested against the frustum, so nothing that can be seen
-    is left out; a few things close outside of it stay in.
+    below the root has changed; what stands below moving bodies that haven't changed is then taken over. For each
+    picture the list is moved by the poses in bulk and culled in bulk: no Python runs per node. Bounding spheres are
+    tested against the frustum, so nothing that can be seen is left out; a few things close outside of it stay in.
 
     A subclass may override ``visit_<kind>`` to leave out what is below some nodes.
 
@@ -62,6 +73,8 @@ class CullVisitor(Visitor):
         self._lamps = Lamps((), ())
         self._lamp_list: list[Lamp] = []
         self._clouds = Clouds(())
+        self._keeps = type(self) is CullVisitor  # a subclass may list what it likes
+        self._kept: WeakKeyDictionary[Transform, _Branch] = WeakKeyDictionary()
         self._cloud_list: list[Cloud] = []
 
     def cull(
@@ -162,12 +175,38 @@ class CullVisitor(Visitor):
         if posed is not None:
             source, row = posed
             self._place = Place(None, self._anchor(source), row)
+            if self._reuse(node):
+                self._place = outer
+                return
         elif node.absolute:
             self._place = Place(node.local_matrix())
         else:
             self._place = outer.within(node.local_matrix())
+        before = self._collected()
         self.visit_node(node)
+        if posed is not None:
+            self._keep(node, before)
         self._place = outer
+
+    def _collected(self) -> tuple[int, int]:
+        """How much the walk has listed: drawables, and all the rest."""
+        rest = len(self._gate_list) + len(self._gate_places) + len(self._lamp_list) + len(self._cloud_list)
+        return len(self._instances), rest + len(self._anchors)
+
+    def _keep(self, node: Transform, before: tuple[int, int]) -> None:
+        """Remember what a moving branch has listed, unless it was more than drawables."""
+        now = self._collected()
+        if self._keeps and now[1] == before[1]:
+            shown = self._instances[before[0] :]
+            self._kept[node] = _Branch(node._revision, self._place, self._before, self._trail, shown)
+
+    def _reuse(self, node: Transform) -> bool:
+        """List what a moving branch has listed the last time, if nothing of it has changed since."""
+        kept = self._kept.get(node) if self._keeps else None
+        if kept is None or kept[:4] != (node._revision, self._place, self._before, self._trail):
+            return False
+        self._instances += kept.shown
+        return True
 
     def visit_switch(self, node: Switch) -> None:
         """Go on if the switch is on."""

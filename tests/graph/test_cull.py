@@ -263,6 +263,75 @@ def test_a_quiet_tree_is_walked_once() -> None:
     assert len(asked) == 1
 
 
+def test_only_what_has_changed_is_walked_again() -> None:
+    """Bodies below which nothing is different are taken over, whatever happens beside them."""
+    asked: list[int] = []
+
+    class Watched(Leaf):
+        number = 0
+
+        def drawables(self) -> tuple[Drawable, ...]:
+            asked.append(self.number)
+            return super().drawables()
+
+    world = World([Pose(Vec3(x, 0, 0)) for x in range(4)])
+    bodies, leaves = [], []
+    for row in range(3):
+        body = world.attach(Body(world, row))
+        leaf = body.attach(Watched([sphere_drawable(1)]))
+        leaf.number = row
+        bodies.append(body)
+        leaves.append(leaf)
+    visitor = CullVisitor(world)
+
+    def cull_again() -> tuple[list[tuple[float, ...]], list[int]]:
+        asked.clear()
+        return places(visitor.cull(FAR_VIEW, SIZE).opaque), asked
+
+    assert cull_again() == ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [0, 1, 2])
+    world.attach(at(9)).attach(ball())
+    assert cull_again()[1] == []
+    leaves[1].add_drawable(sphere_drawable(1, BLUE))
+    assert cull_again()[1] == [1]
+    world.detach(bodies[0])
+    assert cull_again()[1] == []
+    bodies[2].row = 3  # as the last body's row, when another leaves
+    bodies[2]._touch()
+    found, again = cull_again()
+    assert again == [2]
+    assert sorted(found) == [(1, 0, 0), (1, 0, 0), (3, 0, 0), (9, 0, 0)]
+
+
+@given(graphs(), st.data())
+def test_a_visitor_that_has_seen_all_changes_sees_what_a_new_one_sees(root: Group, data: st.DataObject) -> None:
+    """Hiding, moving house and adding, above, in and below what moves: nothing old is taken over wrongly."""
+    visitor = CullVisitor(root)
+    for _ in range(data.draw(st.integers(1, 5))):
+        nodes = list(root.walk())
+        node = data.draw(st.sampled_from(nodes))
+        act = data.draw(st.sampled_from(["hide", "show", "add", "leave", "turn", "switch"]))
+        if act in ("hide", "show"):
+            node.visible = act == "show"
+        elif act == "add" and isinstance(node, Group):
+            node.attach(Leaf([data.draw(st.sampled_from(DRAWABLES))]))
+        elif act == "leave" and node.parents:
+            node.parents[-1].detach(node)
+        elif act == "turn" and isinstance(node, PositionAttitudeTransform):
+            node.position = data.draw(st.tuples(small, small, small))
+        elif act == "switch":
+            for each in nodes:
+                if isinstance(each, Switch):
+                    each.on = not each.on
+        for one, other in zip(frame_parts(visitor.cull(FAR_VIEW, SIZE)), frame_parts(cull(root)), strict=True):
+            assert one == other
+
+
+def frame_parts(frame: Frame) -> list[list[tuple[Mesh, Appearance, bytes]]]:
+    """All that there is to compare of a frame's bins."""
+    lists = (frame.opaque, frame.transparent, frame.casters)
+    return [[(each.mesh, each.appearance, each.matrices.tobytes()) for each in bins] for bins in lists]
+
+
 def test_frames_keep_what_they_showed() -> None:
     """A Frame isn't changed by the pictures after it."""
     world = World([Pose(Vec3(1, 0, 0))])
