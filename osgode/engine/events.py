@@ -251,8 +251,9 @@ class Events(Module):
 
     def _happen(self, event: InputEvent, errors: list[Exception]) -> None:
         calls = self._press(event.name) if isinstance(event, Press) else []
+        calls += [partial(listener, event) for listener in self._listeners]
         self._take(event)
-        for hear in [*calls, *(partial(listener, event) for listener in self._listeners)]:
+        for hear in calls:
             try:
                 hear()
             except Exception as error:  # noqa: BLE001 - a release that isn't taken in would leave a key held
