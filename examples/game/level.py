@@ -33,7 +33,7 @@ BANK = 4.4
 GAP = 8.0
 """Between the second bank and the third, over which the platform goes, metres."""
 SPAN, LINKS, SLACK = 10.0, 20, 0.08
-"""Length of the gap that the bridge hangs over, the links of its chains, and how much longer than it they are, metres."""
+"""The gap that the bridge hangs over, metres, the links of its chains, and how much longer than it they are, metres."""
 HALF = 0.75
 """Half of the bridge's width, metres."""
 PLANK_MASS, CHAIN_MASS = 9.0, 90.0
@@ -64,7 +64,7 @@ class House(Still):
         self.place_on = oo.Vec3(*position)
         walls = oo.Trimesh(oo.load_model(ASSETS / "house.obj"), material="brick", name=name)
         self.attach(oo.Placeable(position=position)).attach(walls)
-        x, _, z = self.table = self.place_on + (1.6, FLOOR + 0.8, -1.4)
+        x, _, z = self.table = self.place_on + oo.Vec3(1.6, FLOOR + 0.8, -1.4)
         top = self.table.y
         self.box((x - 0.7, top - 0.06, z - 0.4), (x + 0.7, top, z + 0.4), "planks", material="wood")
         for side in (-0.6, 0.6):
