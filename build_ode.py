@@ -18,6 +18,7 @@ UNITS = (
         "contacts",
         "seams",
         "lying",
+        "capsules",
         "joints",
         "gears",
     ),
