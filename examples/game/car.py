@@ -40,7 +40,7 @@ SLIGHTEST = 5.0
 
 TOP_SPEED, REVERSE_SPEED = 20.0, 6.0
 """Forward and backward, m/s."""
-DRIVE_TORQUE, BRAKE_TORQUE, ROLL_TORQUE = 650.0, 1000.0, 25.0
+DRIVE_TORQUE, BRAKE_TORQUE, ROLL_TORQUE = 650.0, 1000.0, 90.0
 """Of each wheel: driving, braking, and what slows it when neither is wanted, N m."""
 CRAWL = 0.4
 """m/s: slower, it is held by its brakes when nobody drives, and may go the other way."""
@@ -84,7 +84,7 @@ DOORS = ((-1.6, 0.2), (1.6, 0.2), (0.0, 3.0), (0.0, -3.0))
 """x and z in the hull's frame where someone who gets out may stand, best first, metres."""
 ROOF = (0.0, 1.12, 0.5)
 """Where else, in the hull's frame."""
-LOOK_UP, LOOK_DOWN = 1.8, 4.0
+LOOK_UP, LOOK_DOWN = 0.6, 4.0
 """From how far above the hull, and how far below, ground is looked for there, metres."""
 SEAT = (0.0, 0.6, 0.2)
 """In the hull's frame: from here nothing may be in the way to where one stands, metres."""

@@ -28,6 +28,8 @@ TOO_FAST = 0.5
 """m/s above what it wants at which it brakes; below it lets it roll."""
 STEERING_STEP = 0.008
 """Radians: nearer than this to what it wants it doesn't steer."""
+TURN_MEMORY = 0.15
+"""Seconds over which it averages how a car turns that doesn't tell its steering."""
 NEAR, LOST = 4.0, 15.0
 """It looks for where it is on the line so far before and behind where it was, and everywhere if it is farther off it
 than this, metres."""
@@ -110,6 +112,7 @@ class Driver(Program):
         """How far it is beside the line, metres, positive to the right."""
         self._at: float | None = None
         self._began: float | None = None
+        self._turning = 0.0
         self._stuck = 0.0
         self._freeing = 0.0
 
@@ -135,7 +138,8 @@ class Driver(Program):
         wanted = self._wanted_steering(pose, speed)
         steering = getattr(self.thing, "steering", None)
         if steering is None:
-            steering = math.atan(WHEELBASE * body.angular_velocity.y / max(speed, 1.0))
+            self._turning += (body.angular_velocity.y - self._turning) * world.step_size / TURN_MEMORY
+            steering = math.atan(WHEELBASE * self._turning / max(speed, 1.0))
         allowed = self._allowed(self._at)
         self.thing.controls.move(
             left=wanted - steering > STEERING_STEP,
