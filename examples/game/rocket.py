@@ -191,9 +191,7 @@ class RocketLauncher(Weapon):
         self, position: oo.Vec3Like = (0.0, 0.0, 0.0), yaw: float = 0.0, *, name: str = "rocket launcher"
     ) -> None:
         super().__init__(name=name)
-        body = self.attach(
-            oo.Body(name=f"{name} body", position=position, rotation=oo.Quat.from_yaw_pitch_roll(yaw))
-        )
+        body = self.attach(oo.Body(name=f"{name} body", position=position, rotation=oo.Quat.from_yaw_pitch_roll(yaw)))
         tube = oo.Placeable(position=(0.0, MUZZLE.y, 0.0))
         body.attach(tube).attach(
             oo.Cylinder(TUBE_RADIUS, TUBE_LENGTH, material="steel", kind="weapon", mass=MASS, shown=_launcher())

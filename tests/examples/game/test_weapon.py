@@ -162,7 +162,9 @@ def test_a_stowed_weapon_that_is_dropped_falls_from_the_hand():
     gun.stow()
     gun.drop()
     assert gun.in_simulation and gun.hand is None
-    assert gun.main_body.local_to_world(gun.GRIP.position).distance(scene.bearer.hand.local_to_world((0, 0, -0.2))) < 1e-9
+    assert (
+        gun.main_body.local_to_world(gun.GRIP.position).distance(scene.bearer.hand.local_to_world((0, 0, -0.2))) < 1e-9
+    )
     assert scene.bearer.arsenal.in_hand is None
 
 
