@@ -76,7 +76,7 @@ class Events(Module):
 
     Args:
         config: its settings.
-        source: where events come from; a `ScriptedInput` if not given. `Video` puts its window in its place.
+        source: where events come from; a `ScriptedInput` if not given. `Video` adds those of its window.
     """
 
     NAME = "events"
@@ -93,6 +93,7 @@ class Events(Module):
         self._press_listeners: dict[str, list[Callable[[], object]]] = {}
         self._listeners: list[Callable[[InputEvent], object]] = []
         self._captured = False
+        self._look = (0.0, 0.0)
         self.focused = True
         """Whether the window has the keyboard."""
         self.mouse_motion = (0.0, 0.0)
@@ -161,9 +162,7 @@ class Events(Module):
     @property
     def look(self) -> tuple[float, float]:
         """What the mouse means for a camera in this frame: radians to the right and down; 0 unless it is held."""
-        if not self._captured:
-            return (0.0, 0.0)
-        dx, dy = self.mouse_motion
+        dx, dy = self._look
         return (dx * self.config.mouse_sensitivity, dy * self.config.mouse_sensitivity)
 
     # -- the pointer
@@ -184,7 +183,10 @@ class Events(Module):
 
     @property
     def captured(self) -> bool:
-        """Whether the pointer is held: hidden, within the window, for looking around."""
+        """Whether the pointer is held: hidden, within the window, for looking around.
+
+        While the window lacks the keyboard the pointer is free, and held again when that is back.
+        """
         return self._captured
 
     @captured.setter
@@ -229,33 +231,43 @@ class Events(Module):
             self.captured = True
 
     def stop(self) -> None:
-        """Let the pointer go."""
+        """Let everything go."""
         if self._captured:
             self.captured = False
+        self._held.clear()
 
     def cycle(self) -> None:
         """Take in what has happened since the last frame, and tell the listeners."""
         self._pressed, self._released = set(), set()
         self.mouse_motion, self.wheel = (0.0, 0.0), 0.0
+        self._look = (0.0, 0.0)
         errors: list[Exception] = []
         for event in self._source.poll():
-            calls = self._press(event.name) if isinstance(event, Press) else []
-            self._take(event)
-            calls += [partial(listener, event) for listener in self._listeners]
-            for hear in calls:
-                try:
-                    hear()
-                except Exception as error:  # noqa: BLE001 - a release that isn't taken in would leave a key held
-                    error.add_note(f"raised by a listener of Events, which heard {event}")
-                    errors.append(error)
+            if isinstance(event, Focus) and not event.gained:  # nobody will tell when the keys come up
+                for name in tuple(self._held):
+                    self._happen(Release(name), errors)
+            self._happen(event, errors)
         raise_all("several listeners of events failed", errors)
+
+    def _happen(self, event: InputEvent, errors: list[Exception]) -> None:
+        calls = self._press(event.name) if isinstance(event, Press) else []
+        calls += [partial(listener, event) for listener in self._listeners]
+        self._take(event)
+        for hear in calls:
+            try:
+                hear()
+            except Exception as error:  # noqa: BLE001 - a release that isn't taken in would leave a key held
+                error.add_note(f"raised by a listener of Events, which heard {event}")
+                errors.append(error)
 
     def _take(self, event: InputEvent) -> None:
         if isinstance(event, Release):
             self._let_go(event.name)
         elif isinstance(event, MouseMotion):
             self.mouse_motion = (self.mouse_motion[0] + event.dx, self.mouse_motion[1] + event.dy)
-            if not self._captured:
+            if self._captured and self.focused:
+                self._look = (self._look[0] + event.dx, self._look[1] + event.dy)
+            else:
                 self.mouse_position = (event.x, event.y)
         elif isinstance(event, Wheel):
             self.wheel += event.clicks
@@ -275,9 +287,6 @@ class Events(Module):
 
     def _take_focus(self, gained: bool) -> None:
         self.focused = gained
-        if not gained:  # nobody will tell when the keys come up
-            for name in tuple(self._held):
-                self._let_go(name)
         if self._captured:
             self._source.capture(gained)
 
