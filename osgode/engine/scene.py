@@ -200,6 +200,13 @@ class Scene(Module):
         self._held_moves = held
         self.camera.steer()
 
+    def attach(self) -> None:
+        """Leave the carrier, or ride what is aimed at: what the key of that name does; a game may do otherwise."""
+        if self.camera.carrier is not None:
+            self.camera.dismount()
+        else:
+            self.camera.ride_what_is_aimed_at()
+
     def move_camera(self) -> None:
         """Take the camera to where this frame's picture is taken from, after its steps; a game may do otherwise."""
         self.camera.update(self.clock.delta, self.interpolation)
@@ -230,12 +237,7 @@ class Scene(Module):
     def _bind_view(self) -> None:
         events, camera, aids = self.events, self.camera, self.aids
 
-        @events.on_press("attach")
-        def attach() -> None:
-            if camera.carrier is not None:
-                camera.dismount()
-            else:
-                camera.ride_what_is_aimed_at()
+        events.on_press("attach")(self.attach)
 
         @events.on_press("third_person")
         def third_person() -> None:
