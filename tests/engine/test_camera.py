@@ -223,6 +223,17 @@ def test_looking_at_a_point_by_delta():
     assert cart.controls.pitch == pytest.approx(0.0)
 
 
+def test_the_short_way_round_for_a_carrier_with_limits():
+    """From a yaw of 3 to one of -3 it is 0.28 to the left, and not 6 to the right, where its limit is."""
+    camera = Camera()
+    _world, space, _, _cart = ring(camera, (0, 0, 9))
+    cart = space.attach(Narrow("narrow"))
+    cart.place(Pose(Vec3(0, 0, 0), Quat.from_yaw_pitch_roll(3.0)))
+    camera.ride(cart, "delta")
+    camera.look_at((math.sin(3.0), 1, -math.cos(3.0)))
+    assert cart.controls.yaw == pytest.approx(math.tau - 6.0)
+
+
 def test_carriers_with_limits():
     """A carrier that can't turn as far as the camera stays at its limit."""
     camera = Camera()

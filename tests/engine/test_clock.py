@@ -344,3 +344,18 @@ def test_another_step_size_on_the_way():
         play.frames(7)
         assert scene.world.time + scene.accumulator.rest == pytest.approx(2 * simulated)
         assert scene.accumulator.rest < 1 / 500
+
+
+def test_a_single_step_is_shown_as_it_is():
+    """The picture is that of the step itself, and what was left of a frame before is not added later."""
+    with Play(Tumble, AppConfig(clock=ClockConfig(speed=0.7))) as play:
+        scene, clock = play.scene, play.app.clock
+        play.frames(3)
+        assert scene.accumulator.rest > 0.1 * STEP
+        assert scene.interpolation == pytest.approx(scene.accumulator.rest / STEP)
+        clock.single_step()
+        play.frames(1)
+        assert (scene.accumulator.rest, scene.interpolation) == (0.0, 1.0)
+        clock.paused = False
+        play.frames(1)
+        assert scene.accumulator.rest == pytest.approx(0.7 / 60 - STEP)
