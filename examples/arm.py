@@ -41,7 +41,7 @@ class Arm(Example):
 
     def build(self) -> None:
         """Column, upper arm, lower arm with the hand; the arm starts stretched out along x."""
-        self.camera = Orbit(oo.Vec3(0.3, 0.8, -0.3), 3.9, yaw=-0.35, pitch=0.3)
+        self.orbit = Orbit(oo.Vec3(0.3, 0.8, -0.3), 3.9, yaw=-0.35, pitch=0.3)
         self.ground()
         for way in ((REACH, 0.0), (0.0, -REACH)):
             top = oo.Box((0.6, TABLE, 0.6), material="wood", appearance=look("planks", scale=0.8))

@@ -44,7 +44,7 @@ class Billiards(Example):
 
     def build(self) -> None:
         """Materials, table, balls."""
-        self.camera = Orbit(oo.Vec3(0.05, TOP - 0.2, 0.1), 2.75, yaw=0.4, pitch=0.8)
+        self.orbit = Orbit(oo.Vec3(0.05, TOP - 0.2, 0.1), 2.75, yaw=0.4, pitch=0.8)
         oo.define_material("phenolic resin", density=1740)
         oo.define_material("cloth", density=300)
         oo.define_material("cushion", density=1100)
@@ -58,7 +58,7 @@ class Billiards(Example):
         self.cue = self.ball(-1, oo.Vec3(HEAD, 0, 0.004))
         self.cue.linear_velocity = (SPEED, 0, 0)
         self.cue.angular_velocity = (0, 0, -SPEED / RADIUS)  # it rolls
-        self.start = [ball.position for ball in self.balls]
+        self.starts = [ball.position for ball in self.balls]
         self.energy = self.most = self.motion()
 
     def build_table(self) -> None:
@@ -124,7 +124,7 @@ class Billiards(Example):
     def check(self) -> None:
         """The rack is broken, no ball has left the table, energy only went, and all have come to rest."""
         first = MASS * SPEED * SPEED * 0.7
-        moved = [(ball.position - at).length > 0.1 for ball, at in zip(self.balls, self.start, strict=True)]
+        moved = [(ball.position - at).length > 0.1 for ball, at in zip(self.balls, self.starts, strict=True)]
         expect(sum(moved) >= 12, "the break scatters the balls")
         for ball in (*self.balls, self.cue):
             x, y, z = ball.position

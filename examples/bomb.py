@@ -29,7 +29,7 @@ class Bomb(Example):
 
     def build(self) -> None:
         """Ground, crates, the barrel with its fuse, and what is seen when it goes off."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.3, 0.0), 10.0, yaw=0.55, pitch=0.22, turn=0.03)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.3, 0.0), 10.0, yaw=0.55, pitch=0.22, turn=0.03)
         self.sun = oo.Sun(oo.Vec3(-0.8, -0.3, -0.5), (0.75, 0.45, 0.28), (0.2, 0.22, 0.32))
         self.sky = oo.Sky((0.12, 0.18, 0.42), (0.72, 0.5, 0.42), 250.0)
         self.ground(tint=(0.7, 0.68, 0.62))
@@ -84,11 +84,6 @@ class Bomb(Example):
                 impulse = way.normalized() * (POWER / max(way.length, 1.0) ** 2)
                 crate.add_force(impulse / self.world.step_size)
                 self.struck = max(self.struck, impulse.length)
-
-    def frame(self, size: tuple[int, int], interpolation: float = 1.0) -> oo.Frame:
-        """One picture, under the evening's sky."""
-        view = self.camera.view(self.world.time)
-        return self._cull.cull(view, size, interpolation, sun=self.sun, sky=self.sky)
 
     def check(self) -> None:
         """It has gone off, thrown the crates, and all that flew about has burnt out."""

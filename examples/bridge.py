@@ -30,7 +30,7 @@ class Bridge(Example):
 
     def build(self) -> None:
         """Banks, bridge, and the balls on the left bank."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.3, 0.0), 6.4, yaw=0.35, pitch=0.22)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.3, 0.0), 6.4, yaw=0.35, pitch=0.22)
         self.ground("dirt", (0.8, 0.8, 0.8))
         half = PLANKS * LONG / 2
         for side in (-1, 1):

@@ -39,7 +39,7 @@ class Buggy(Example):
 
     def build(self) -> None:
         """Ground, track, buggy."""
-        self.camera = Orbit(oo.Vec3(0.0, 0.7, 11.0), 6.0, yaw=2.15, pitch=0.2)
+        self.orbit = Orbit(oo.Vec3(0.0, 0.7, 11.0), 6.0, yaw=2.15, pitch=0.2)
         self.fixed.attach(oo.Plane(material="earth", appearance=look("grass", (0.95, 0.9, 0.75), scale=4.0, shine=0.0)))
         self.world.surfaces["rubber", "earth"] = oo.Surface(friction=0.9)
         self.world.surfaces["rubber", "wood"] = oo.Surface(friction=0.9)
@@ -117,7 +117,7 @@ class Buggy(Example):
         self.highest = max(self.highest, self.chassis.linear_velocity.length)
         self.leaned = max(self.leaned, math.acos(min(self.chassis.vector_to_world((0, 1, 0)).y, 1.0)))
         target = self.chassis.position + oo.Vec3(0.0, 0.35, 0.0)
-        self.camera.target += (target - self.camera.target) * 0.08
+        self.orbit.target += (target - self.orbit.target) * 0.08
 
     def check(self) -> None:
         """It has got through, round the bend, and stands."""

@@ -40,7 +40,7 @@ class Bullets(Example):
 
     def build(self) -> None:
         """Ground, and for each lane a gun and a wall."""
-        self.camera = Orbit(oo.Vec3(0.0, 0.6, 0.5), 8.0, yaw=0.3, pitch=0.58)
+        self.orbit = Orbit(oo.Vec3(0.0, 0.6, 0.5), 8.0, yaw=0.3, pitch=0.58)
         self.ground("concrete", (0.75, 0.76, 0.8))
         self.fired: dict[str | None, list[oo.Body]] = {mode: [] for mode, _z, _colour in LANES}
         self.through: dict[str | None, set[int]] = {mode: set() for mode in self.fired}

@@ -31,7 +31,7 @@ class Cardan(Example):
 
     def build(self) -> None:
         """From left to right."""
-        self.camera = Orbit(oo.Vec3(0.05, 1.1, 0.0), 3.5, yaw=0.3, pitch=0.22)
+        self.orbit = Orbit(oo.Vec3(0.05, 1.1, 0.0), 3.5, yaw=0.3, pitch=0.22)
         self.ground()
         bend = RIGHT - LEFT
         along = bend.normalized()

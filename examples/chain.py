@@ -32,7 +32,7 @@ class Bridge(Example):
 
     def build(self) -> None:
         """Cliffs, chains, planks, ropes, and what falls."""
-        self.camera = Orbit(oo.Vec3(0.3, 3.0, 0.0), 13.2, yaw=0.42, pitch=0.33, turn=-0.02)
+        self.orbit = Orbit(oo.Vec3(0.3, 3.0, 0.0), 13.2, yaw=0.42, pitch=0.33, turn=-0.02)
         self.fixed.attach(oo.Plane(material="earth", appearance=look("grass", scale=3.0, shine=0.0)))
         for side in (-1.0, 1.0):
             self.block((side * (SPAN + 1.6), DECK / 2, 0.0), (3.0, DECK, 5.0), "brick", (0.9, 0.85, 0.8))

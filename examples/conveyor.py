@@ -33,7 +33,7 @@ class Conveyor(Example):
 
     def build(self) -> None:
         """Ground, belts, gate, sensor, bin."""
-        self.camera = Orbit(oo.Vec3(1.3, 0.8, 1.9), 9.6, yaw=0.35, pitch=0.5, turn=-0.006)
+        self.orbit = Orbit(oo.Vec3(1.3, 0.8, 1.9), 9.6, yaw=0.35, pitch=0.5, turn=-0.006)
         self.fixed.attach(oo.Plane(material="concrete", appearance=look("concrete", scale=3.0, shine=0.0)))
         self.belt((-0.75, 0.0), 8.3, (SPEED, 0, 0))
         self.belt((CORNER + WIDTH / 2, 1.2), 3.5, (0, 0, SPEED), across=True)

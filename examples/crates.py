@@ -26,7 +26,7 @@ class Crates(Example):
 
     def build(self) -> None:
         """Ground, crates, ball."""
-        self.camera = Orbit(oo.Vec3(0.2, 1.4, 0.0), 10.5, yaw=0.5, pitch=0.28, turn=-0.05)
+        self.orbit = Orbit(oo.Vec3(0.2, 1.4, 0.0), 10.5, yaw=0.5, pitch=0.28, turn=-0.05)
         self.fixed.attach(
             oo.Plane((0, 1, 0), material="concrete", appearance=look("concrete", (0.8, 0.8, 0.8), scale=4.0, shine=0.0))
         )

@@ -37,7 +37,7 @@ class Door(Example):
 
     def build(self) -> None:
         """Ground, wall, door, gallows, chain."""
-        self.camera = Orbit(oo.Vec3(0.0, 2.0, 0.8), 7.6, yaw=0.45, pitch=0.3, turn=-0.02)
+        self.orbit = Orbit(oo.Vec3(0.0, 2.0, 0.8), 7.6, yaw=0.45, pitch=0.3, turn=-0.02)
         self.fixed.attach(oo.Plane(material="concrete", appearance=look("dirt", scale=3.0, shine=0.0)))
         self.build_wall()
         self.build_gallows()

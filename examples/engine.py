@@ -30,7 +30,7 @@ class Engine(Example):
 
     def build(self) -> None:
         """Both pins are above the axle at the start."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.45, 0.0), 3.5, yaw=0.45, pitch=0.12)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.45, 0.0), 3.5, yaw=0.45, pitch=0.12)
         self.ground()
         disc = oo.Cylinder(0.45, 0.1, mass=60.0, appearance=painted(0.7, 0.09, 0.07))
         self.wheel = self.body(disc, AXLE, name="wheel", collides=False)

@@ -29,7 +29,7 @@ class Galton(Example):
 
     def build(self) -> None:
         """Board, pins, boxes, and balls outside of the World until their turn comes."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.55, 0.0), 4.4, yaw=0.25, pitch=0.06)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.55, 0.0), 4.4, yaw=0.25, pitch=0.06)
         self.ground("concrete")
         back = oo.Box((2.9, 3.2, 0.06), appearance=look("plaster", (0.95, 0.9, 0.8), scale=1.5))
         back.enabled = False

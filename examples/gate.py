@@ -27,7 +27,7 @@ class Gate(Example):
 
     def build(self) -> None:
         """Ground, towers, portcullis, boulder."""
-        self.camera = Orbit(oo.Vec3(0.0, 2.0, 0.0), 7.9, yaw=0.55, pitch=0.2)
+        self.orbit = Orbit(oo.Vec3(0.0, 2.0, 0.0), 7.9, yaw=0.55, pitch=0.2)
         self.ground("dirt", (0.9, 0.9, 0.9))
         brick = look("brick", scale=1.6)
         for side in (-1, 1):

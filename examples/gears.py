@@ -30,7 +30,7 @@ class Gears(Example):
 
     def build(self) -> None:
         """From left to right."""
-        self.camera = Orbit(oo.Vec3(0.1, 0.85, 0.1), 3.2, yaw=0.3, pitch=0.22)
+        self.orbit = Orbit(oo.Vec3(0.1, 0.85, 0.1), 3.2, yaw=0.3, pitch=0.22)
         self.ground()
         self.hinges: list[oo.Hinge] = []
         self.first = self.wheel(oo.Vec3(-1.25, HIGH, 0.0), Z, BIG, (0.7, 0.09, 0.07))

@@ -29,7 +29,7 @@ class Hammer(Example):
 
     def build(self) -> None:
         """Ground, hammer, beads."""
-        self.camera = Orbit(oo.Vec3(0.4, 2.3, 0.0), 8.2, yaw=-0.15, pitch=0.08, turn=0.06)
+        self.orbit = Orbit(oo.Vec3(0.4, 2.3, 0.0), 8.2, yaw=-0.15, pitch=0.08, turn=0.06)
         self.fixed.attach(oo.Plane(material="earth", appearance=look("grass", scale=3.0, shine=0.0)))
         self.hammer = self.moving.attach(oo.Body(name="hammer"))
         self.hammer.attach(oo.Placeable()).attach(

@@ -47,7 +47,7 @@ class Heap(Example):
 
     def build(self) -> None:
         """Put it all up."""
-        self.camera = Orbit(oo.Vec3(0.6, 1.6, 0.6), 16.0, yaw=0.5, pitch=0.27, turn=-0.06)
+        self.orbit = Orbit(oo.Vec3(0.6, 1.6, 0.6), 16.0, yaw=0.5, pitch=0.27, turn=-0.06)
         terrain = oo.load_model(ASSETS / "terrain.obj")
         self.fixed.attach(oo.Placeable()).attach(oo.Trimesh(terrain, material="earth", name="terrain"))
         house = oo.Trimesh(oo.load_model(ASSETS / "house.obj"), material="brick", name="house")

@@ -40,7 +40,7 @@ class Lift(Example):
 
     def build(self) -> None:
         """Ground, and the machines with what they move."""
-        self.camera = Orbit(oo.Vec3(0.15, 1.45, -1.0), 8.6, yaw=0.3, pitch=0.3, turn=-0.02)
+        self.orbit = Orbit(oo.Vec3(0.15, 1.45, -1.0), 8.6, yaw=0.3, pitch=0.3, turn=-0.02)
         self.fixed.attach(
             oo.Plane(material="concrete", appearance=look("concrete", (0.85, 0.82, 0.78), scale=4.0, shine=0.0))
         )

@@ -30,7 +30,7 @@ class Locomotive(Example):
 
     def build(self) -> None:
         """Frame, axles, rods."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.0, 0.3), 4.0, yaw=0.35, pitch=0.16)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.0, 0.3), 4.0, yaw=0.35, pitch=0.16)
         self.ground("dirt", (0.8, 0.8, 0.8))
         self.still(oo.Box((3.6, 0.35, 0.8), material="steel", appearance=painted(0.13, 0.2, 0.16)), (0.0, 1.15, 0.0))
         boiler = oo.Cylinder(0.45, 3.2, material="steel", appearance=painted(0.1, 0.3, 0.2))

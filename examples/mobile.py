@@ -30,7 +30,7 @@ class Mobile(Example):
 
     def build(self) -> None:
         """From the hook downwards; on the left of each beam a ball, on the right all the rest."""
-        self.camera = Orbit(oo.Vec3(0.3, 2.45, 0.0), 3.9, yaw=0.25, pitch=0.14)
+        self.orbit = Orbit(oo.Vec3(0.3, 2.45, 0.0), 3.9, yaw=0.25, pitch=0.14)
         self.ground("planks", (0.8, 0.8, 0.8))
         self.still(oo.Box((0.2, 0.3, 0.2), material="wood"), HOOK + oo.Vec3(0.0, 0.15, 0.0))
         self.beams: list[oo.Body] = []

@@ -36,7 +36,7 @@ class Stairs(Example):
 
     def build(self) -> None:
         """Stairs, ragdolls in two rows, and a ball for each."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.15, 1.2), 8.6, yaw=0.55, pitch=0.3, turn=-0.02)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.15, 1.2), 8.6, yaw=0.55, pitch=0.3, turn=-0.02)
         self.fixed.attach(oo.Plane(material="concrete", appearance=look("concrete", scale=3.0, shine=0.05)))
         for k in range(STEPS):
             height = TOP - k * RISE

@@ -31,7 +31,7 @@ class RayFan(Example):
 
     def build(self) -> None:
         """The yard, the lidar and what is drawn of its rays."""
-        self.camera = Orbit(oo.Vec3(0.2, 0.3, -0.6), 10.2, yaw=0.5, pitch=0.62)
+        self.orbit = Orbit(oo.Vec3(0.2, 0.3, -0.6), 10.2, yaw=0.5, pitch=0.62)
         self.fixed.attach(oo.Plane(material="concrete", appearance=look("concrete", scale=3.0, shine=0.0)))
         self.build_yard()
         self.lidar = self.moving.attach(oo.Body(name="lidar", position=(0, HEIGHT, 0), kinematic=True))

@@ -23,7 +23,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import osgode as oo
-from osgode.render import OffscreenDrawer, VideoWriter, Window, save_png
+from osgode.engine import App, AppConfig, Camera, ClockConfig, Scene, SceneConfig, VideoConfig
+from osgode.render import VideoWriter, save_png
 
 ASSETS = Path(__file__).parent / "assets"
 OUT = Path("out")
@@ -34,6 +35,12 @@ LONGEST_FRAME = 0.1
 """Seconds of simulation that one frame may ask for: a machine that is too slow shows slow motion."""
 DRAG, STEP, ZOOM = 0.008, 0.06, 0.9
 """How far the camera goes for a pixel of the mouse and a frame of an arrow key (radians), and a click of the wheel."""
+
+
+KEYS = (
+    "drag or arrow keys: look around; wheel: nearer, farther; p: pause; period: single step; "
+    "minus, equals: slower, faster; f3: debug overlay; f11: full screen; escape: close"
+)
 
 
 class BrokenPromiseError(AssertionError):
@@ -58,10 +65,13 @@ class Orbit:
     pitch: float = 0.3
     turn: float = 0.0
 
-    def view(self, seconds: float = 0.0) -> oo.View:
-        """What the camera sees after so many seconds."""
-        turned = oo.Quat.from_yaw_pitch_roll(self.yaw + self.turn * seconds, -self.pitch)
-        return oo.View(oo.Pose(self.target + turned.rotate((0, 0, self.distance)), turned), field_of_view=0.8)
+    def place(self, camera: Camera, seconds: float = 0.0) -> None:
+        """Put a camera there, as it is after so many seconds."""
+        yaw = self.yaw + self.turn * seconds
+        turned = oo.Quat.from_yaw_pitch_roll(yaw, -self.pitch)
+        camera.position = self.target + turned.rotate((0, 0, self.distance))
+        camera.yaw, camera.pitch = yaw, -self.pitch
+        camera.update(0.0)
 
     def drag(self, right: float, down: float) -> None:
         """Go round by hand; it no longer turns by itself."""
@@ -70,7 +80,7 @@ class Orbit:
         self.pitch = min(max(self.pitch + down, -0.2), 1.5)
 
 
-class Example(ABC):
+class Example(Scene, ABC):
     """A scene with a script, what it promises, and how it is looked at.
 
     A subclass builds its scene in ``build``, acts in ``before_step``, and says in ``check`` what must be true after
@@ -85,21 +95,18 @@ class Example(ABC):
     """Settings of the World."""
 
     def __init__(self) -> None:
-        self.root = oo.Group(name=type(self).__name__)
-        self.world = self.root.attach(oo.World(**self.WORLD))
-        self.moving = self.world.attach(oo.HashSpace(name="moving"))
-        self.fixed = self.world.attach(oo.SimpleSpace(name="fixed"))
-        self.world.collide(self.moving)
-        self.world.collide(self.moving, self.fixed)
-        self.camera = Orbit(oo.Vec3(0.0, 1.0, 0.0), 10.0)
-        self.sun = oo.Sun()
-        self._cull = oo.CullVisitor(self.root)
-        self._update = oo.UpdateVisitor(self.root)
+        step_size = self.WORLD.get("step_size", 1 / 120)
+        super().__init__(SceneConfig(step_size=step_size, max_steps=max(round(LONGEST_FRAME / step_size), 1)))
+        for name, value in self.WORLD.items():
+            setattr(self.world, name, value)
+        self.moving, self.fixed = self.dynamic, self.static
+        self.orbit = Orbit(oo.Vec3(0.0, 1.0, 0.0), 10.0)
+        self.camera.field_of_view = 0.8
         self.build()
 
     @abstractmethod
     def build(self) -> None:
-        """Put everything into the world, and the camera before it."""
+        """Put everything into the world, and the camera around it."""
 
     def body(
         self,
@@ -131,27 +138,25 @@ class Example(ABC):
         """Draw anchors and axes of all joints over the picture."""
         self.world.attach(oo.joint_marks(self.world, size=size))
 
-    def before_step(self) -> None:  # noqa: B027  (most do nothing)
-        """Called before each step: what the script does, and what is to be watched."""
-
     @abstractmethod
     def check(self) -> None:
         """Raise `BrokenPromiseError` if a promise isn't kept after `SECONDS`."""
 
-    def advance(self, steps: int) -> None:
-        """Simulate."""
-        for _ in range(steps):
-            self.before_step()
-            self.world.step()
+    def steer(self) -> None:
+        """Go round by the mouse and the arrow keys, nearer and farther by the wheel."""
+        events, orbit = self.events, self.orbit
+        right = events.axis("arrow_right", "arrow_left") * STEP
+        down = events.axis("arrow_down", "arrow_up") * STEP
+        if events.held("mouse_left"):
+            right += events.mouse_motion[0] * DRAG
+            down += events.mouse_motion[1] * DRAG
+        if right or down:
+            orbit.drag(right, down)
+        orbit.distance *= ZOOM**events.wheel
 
-    def update(self) -> None:
-        """What is done once for each frame, drawn or not."""
-        self._update.update()
-
-    def frame(self, size: tuple[int, int], interpolation: float = 1.0) -> oo.Frame:
-        """One picture, described."""
-        view = self.camera.view(self.world.time)
-        return self._cull.cull(view, size, interpolation, sun=self.sun)
+    def move_camera(self) -> None:
+        """Put the camera where the orbit says."""
+        self.orbit.place(self.camera, self.world.time)
 
 
 def expect(truth: bool, promise: str) -> None:
@@ -190,59 +195,6 @@ ALONG_X, ALONG_Y = oo.Quat.between((0, 0, 1), (1, 0, 0)), oo.Quat.between((0, 0,
 """Rotations that lay a cylinder or capsule along x or y."""
 
 
-@dataclass
-class Pacemaker:
-    """Turns seconds into whole steps, and keeps the rest for the next time.
-
-    Args:
-        step_size: seconds.
-        longest: seconds that are simulated at once at most. What is above is lost: a machine too slow for the scene
-            would else fall behind more and more.
-    """
-
-    step_size: float
-    longest: float = LONGEST_FRAME
-    left: float = 0.0
-    lost: float = 0.0
-
-    def take(self, seconds: float) -> int:
-        """How many steps to do now."""
-        self.lost += max(seconds - self.longest, 0.0)
-        self.left += min(seconds, self.longest)
-        steps = int(self.left / self.step_size + 1e-6)
-        self.left = max(self.left - steps * self.step_size, 0.0)
-        return steps
-
-    @property
-    def interpolation(self) -> float:
-        """How far the picture is between the step before the last and the last."""
-        return self.left / self.step_size
-
-
-class Stopwatch:
-    """Steps, and the time they took, without what the drawing takes."""
-
-    def __init__(self, example: Example) -> None:
-        self._example = example
-        self.steps = 0
-        self.seconds = 0.0
-
-    def advance(self, steps: int) -> None:
-        """Simulate, and count."""
-        start = time.perf_counter()
-        self._example.advance(steps)
-        self.seconds += time.perf_counter() - start
-        self.steps += steps
-
-    def __str__(self) -> str:
-        world = self._example.world
-        rate = self.steps / max(self.seconds, 1e-9)
-        return (
-            f"{self.steps} steps of {len(world.bodies)} bodies in {self.seconds:.1f} s: {rate:.0f} steps per second, "
-            f"{rate * world.step_size:.1f} times real time"
-        )
-
-
 def is_installed(*modules: str) -> bool:
     """Whether they can be imported."""
     return all(importlib.util.find_spec(module) is not None for module in modules)
@@ -270,14 +222,42 @@ def progress(count: int, doing: str) -> Iterator[int]:
     print("\r" * live + f"{doing} [{'#' * 30}] {count}/{count}", file=sys.stderr)
 
 
+class Stopwatch:
+    """Frames played, and the time that their steps took, without what the drawing takes."""
+
+    def __init__(self, example: Example) -> None:
+        self._example = example
+        self._before = example.world.steps
+        self.seconds = 0.0
+
+    def cycle(self, app: App) -> None:
+        """Play a frame, and count."""
+        app.cycle()
+        self.seconds += self._example.timings["steps"]
+
+    def __str__(self) -> str:
+        world = self._example.world
+        steps = world.steps - self._before
+        rate = steps / max(self.seconds, 1e-9)
+        return (
+            f"{steps} steps of {len(world.bodies)} bodies in {self.seconds:.1f} s: {rate:.0f} steps per second, "
+            f"{rate * world.step_size:.1f} times real time"
+        )
+
+
+def without_window(example: Example, fps: float) -> App:
+    """An App that plays by itself, so many frames a second of simulation."""
+    video = VideoConfig(mode="none", size=SIZE)
+    return App(example, AppConfig(clock=ClockConfig(frame_limit=fps), video=video))
+
+
 def simulate(example: Example, seconds: float) -> list[str]:
     """Run without drawing; returns what to tell."""
     watch = Stopwatch(example)
     count = max(round(seconds * FPS), 1)
-    pace = Pacemaker(example.world.step_size)
-    for _ in progress(count, "simulating"):
-        watch.advance(pace.take(seconds / count))
-        example.update()
+    with without_window(example, count / seconds) as app:
+        for _ in progress(count, "simulating"):
+            watch.cycle(app)
     return [str(watch)]
 
 
@@ -294,22 +274,18 @@ def film(example: Example, frames: int, pictures: dict[int, Path], video: Path |
         What to tell.
     """
     watch = Stopwatch(example)
-    pace = Pacemaker(example.world.step_size)
     written = [*pictures.values(), *([video] if video else [])]
     for path in written:
         path.parent.mkdir(parents=True, exist_ok=True)
     start = time.perf_counter()
-    with ExitStack() as stack:
-        drawer = stack.enter_context(OffscreenDrawer(SIZE))
+    with without_window(example, FPS) as app, ExitStack() as stack:
         writer = stack.enter_context(VideoWriter(video, FPS, SIZE)) if video else None
         for number in progress(frames, "drawing"):
-            watch.advance(pace.take(1 / FPS))
-            example.update()
+            watch.cycle(app)
             picture = pictures.get(number + 1)
             if writer is None and picture is None:
                 continue
-            drawer.draw(example.frame(SIZE, pace.interpolation))
-            image = drawer.image()
+            image = app.video.picture()
             if writer is not None:
                 writer.write(image)
             if picture is not None:
@@ -318,52 +294,29 @@ def film(example: Example, frames: int, pictures: dict[int, Path], video: Path |
     return [f"{watch}; {took:.1f} s with the drawing", *(f"written: {path}" for path in written)]
 
 
-def open_window(example: Example) -> Window | None:
-    """A window, or None, after saying why, if there can't be one."""
+def play(example: Example, frames: int | None) -> list[str] | None:
+    """Show it in a window until that is closed, or for so many frames.
+
+    Returns:
+        What to tell; None, after saying why, if there can't be a window.
+    """
     if not has_screen():
         return None
+    app = App(example, AppConfig(video=VideoConfig(size=SIZE, title=f"osgode: {type(example).__name__}")))
     try:
-        return Window(SIZE, f"osgode: {type(example).__name__}")
+        app.open()
     except oo.OsgodeError as error:
         print(error)
         return None
-
-
-def play(example: Example, window: Window, frames: int | None) -> list[str]:
-    """Show it in a window until that is closed, or for so many frames; returns what to tell."""
+    print(KEYS)
     watch = Stopwatch(example)
-    pace = Pacemaker(example.world.step_size)
-    print("drag or arrow keys: look around; wheel: nearer, farther; escape: close")
-    with window:
-        last = time.perf_counter()
-        shown = 0
-        while not window.closed and shown != frames:
-            window.pump()
-            steer(window, example.camera)
-            now = time.perf_counter()
-            watch.advance(pace.take(now - last))
-            last = now
-            example.update()
-            window.draw(example.frame(window.size, pace.interpolation))
-            shown += 1
-    slow = [f"too slow by {pace.lost:.1f} s, which were left out"] if pace.lost > 1 else []
+    with app:
+        left = frames
+        while not app.quitting and left != 0:
+            watch.cycle(app)
+            left = None if left is None else left - 1
+    slow = [f"too slow by {example.lost:.1f} s, which were left out"] if example.lost > 1 else []
     return [str(watch), *slow]
-
-
-def steer(window: Window, camera: Orbit) -> None:
-    """Move the camera by mouse and keys; escape closes the window."""
-    pg = importlib.import_module("pygame")
-    for event in pg.event.get((pg.MOUSEMOTION, pg.MOUSEWHEEL, pg.KEYDOWN)):
-        if event.type == pg.MOUSEMOTION and event.buttons[0]:
-            camera.drag(event.rel[0] * DRAG, event.rel[1] * DRAG)
-        elif event.type == pg.MOUSEWHEEL:
-            camera.distance *= ZOOM**event.y
-        elif event.type == pg.KEYDOWN and event.key == pg.K_ESCAPE:
-            window.closed = True
-    held = pg.key.get_pressed()
-    right, down = held[pg.K_LEFT] - held[pg.K_RIGHT], held[pg.K_UP] - held[pg.K_DOWN]
-    if right or down:
-        camera.drag(right * STEP, down * STEP)
 
 
 def run(kind: type[Example], arguments: Sequence[str] | None = None) -> None:
@@ -376,10 +329,9 @@ def run(kind: type[Example], arguments: Sequence[str] | None = None) -> None:
     options = parse(kind, name, arguments)
     example = kind()
     drawn = options.picture or options.video
-    window = None if options.headless or drawn else open_window(example)
     try:
-        if window:
-            told = play(example, window, options.frames)
+        told = None if options.headless or drawn else play(example, options.frames)
+        if told is not None:
             options.seconds = 0.0  # whoever watches may stop whenever they like, so nothing is promised
         elif options.headless or not (drawn or is_installed("moderngl", "PIL")):
             if not options.headless:

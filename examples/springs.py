@@ -29,7 +29,7 @@ class Springs(Example):
 
     def build(self) -> None:
         """One weight after the other; the white mark behind each is where it starts."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.2, 0.0), 4.0, yaw=0.12, pitch=0.1)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.2, 0.0), 4.0, yaw=0.12, pitch=0.1)
         self.ground("planks", (0.8, 0.8, 0.8))
         self.still(oo.Box((4.4, 2.4, 0.1), material="wood", appearance=look("plaster", scale=2.0)), (0.0, 1.2, -0.45))
         for side in (0.0, -MASS * 9.81 / STIFFNESS):

@@ -31,7 +31,7 @@ class Suspension(Example):
 
     def build(self) -> None:
         """Ground, logs, cart."""
-        self.camera = Orbit(oo.Vec3(2.6, 0.4, 0.0), 4.8, yaw=0.6, pitch=0.26)
+        self.orbit = Orbit(oo.Vec3(2.6, 0.4, 0.0), 4.8, yaw=0.6, pitch=0.26)
         self.ground("grass", (0.9, 0.9, 0.9))
         for k, x in enumerate((1.6, 2.6, 3.4)):
             log = oo.Cylinder(0.16, 1.6, material="wood", appearance=look("planks", scale=0.5))

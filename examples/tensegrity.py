@@ -32,7 +32,7 @@ class Tensegrity(Example):
 
     def build(self) -> None:
         """Struts from each corner below to one above, cables along the triangles and between them."""
-        self.camera = Orbit(oo.Vec3(0.0, 0.6, 0.0), 2.9, yaw=0.3, pitch=0.25)
+        self.orbit = Orbit(oo.Vec3(0.0, 0.6, 0.0), 2.9, yaw=0.3, pitch=0.25)
         self.ground()
         third = math.tau / 3
         low = [self.corner(k * third, DROP) for k in range(3)]

@@ -60,7 +60,7 @@ class Terrain(Example):
 
     def build(self) -> None:
         """Put it all up."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.3, -1.5), 13.6, yaw=0.35, pitch=0.4, turn=-0.03)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.3, -1.5), 13.6, yaw=0.35, pitch=0.4, turn=-0.03)
         self.terrain = oo.Heightfield(
             heights(), (SIZE, SIZE), material="earth", appearance=look("grass", scale=5.0, shine=0.0), name="valley"
         )
@@ -75,7 +75,7 @@ class Terrain(Example):
             x, z = chance.choice((-1, 1)) * chance.uniform(9, 14), chance.uniform(-8, 6)
             radius = chance.uniform(0.2, 0.42)
             self.rolling.append(self.drop_ball((x, self.terrain.height_at(x, z) + radius + 0.05, z), radius, k))
-        self.start = [ball.position for ball in self.rolling]
+        self.starts = [ball.position for ball in self.rolling]
         self.build_beacon()
 
     def lay_ring(self, policy: str) -> oo.Body:
@@ -155,7 +155,7 @@ class Terrain(Example):
         for policy, ball in self.lids.items():
             over = ball.position.y - self.rings[policy].position.y
             expect(over > 0.5 if policy == "hull" else over < 0.25, f"the ball lies on the {policy} ring or in it")
-        lower = sum(a.y - b.position.y > 0.5 for a, b in zip(self.start, self.rolling, strict=True))
+        lower = sum(a.y - b.position.y > 0.5 for a, b in zip(self.starts, self.rolling, strict=True))
         expect(lower > 0.6 * len(self.rolling), "the balls roll down")
         expect("valley" in self.seen, "the ray meets the ground")
         expect(any(name.startswith("ring") for name in self.seen), "the ray meets the rings")

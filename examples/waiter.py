@@ -28,7 +28,7 @@ class Waiter(Example):
 
     def build(self) -> None:
         """Ground, tray, motors, glasses."""
-        self.camera = Orbit(oo.Vec3(0.0, 1.05, 0.0), 3.9, yaw=0.2, pitch=0.3)
+        self.orbit = Orbit(oo.Vec3(0.0, 1.05, 0.0), 3.9, yaw=0.2, pitch=0.3)
         self.ground("planks", (0.8, 0.8, 0.8))
         plate = oo.Cylinder(RADIUS, THICK, mass=6.0, material="wood", appearance=look("planks", scale=0.7))
         self.tray = self.moving.attach(oo.Body(name="tray", position=(CIRCLE, HIGH, 0.0)))

@@ -17,15 +17,17 @@ from osgode.errors import (
 from osgode.graph.appearance import Appearance, Texture, load_texture
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Drawer, Frame, Light, Rectangle, Sky, Sprites, Sun, Text, View
+from osgode.graph.frame import Bin, Drawer, Frame, Light, Lines, Rectangle, Sky, Sprites, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
 from osgode.graph.lights import PointLight, SpotLight
+from osgode.graph.lines import LineSet
 from osgode.graph.lod import LevelOfDetail, bounding_box
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
 from osgode.graph.particles import Particles
 from osgode.graph.picking import Pick
+from osgode.graph.projection import Area, OverlayNode, Projection
 from osgode.graph.shapes import (
     box_drawable,
     capsule_drawable,
@@ -60,6 +62,7 @@ from osgode.nodes.body import Body
 from osgode.nodes.centreofmass import CentreOfMass
 from osgode.nodes.colliders import colliders
 from osgode.nodes.convex import ConvexHull
+from osgode.nodes.exports import StepTimings
 from osgode.nodes.feedback import CollisionFeedback
 from osgode.nodes.geom import Geom
 from osgode.nodes.heightdata import HeightData
@@ -75,6 +78,7 @@ from osgode.nodes.spaces import HashSpace, QuadTreeSpace, SimpleSpace, Space, Sw
 from osgode.nodes.touch import Touch
 from osgode.nodes.trimesh import Trimesh
 from osgode.nodes.world import World
+from osgode.scheduler import ScheduledCall
 
 __version__ = "0.1.0"
 
@@ -88,6 +92,7 @@ __all__ = [
     "SPARKS",
     "AngularMotor",
     "Appearance",
+    "Area",
     "Assembly",
     "Ball",
     "Bin",
@@ -121,7 +126,9 @@ __all__ = [
     "LetGo",
     "LevelOfDetail",
     "Light",
+    "LineSet",
     "LinearMotor",
+    "Lines",
     "Mass",
     "MatrixTransform",
     "Mesh",
@@ -131,6 +138,7 @@ __all__ = [
     "ModelError",
     "Node",
     "OsgodeError",
+    "OverlayNode",
     "ParameterError",
     "Particles",
     "PhysicsError",
@@ -143,6 +151,7 @@ __all__ = [
     "PointLight",
     "Pose",
     "PositionAttitudeTransform",
+    "Projection",
     "QuadTreeSpace",
     "Quat",
     "QuatLike",
@@ -151,6 +160,7 @@ __all__ = [
     "RayHits",
     "Reaction",
     "Rectangle",
+    "ScheduledCall",
     "Servo",
     "SimpleSpace",
     "Sky",
@@ -161,6 +171,7 @@ __all__ = [
     "Spray",
     "Sprites",
     "StateError",
+    "StepTimings",
     "Sun",
     "Surface",
     "SurfaceTable",

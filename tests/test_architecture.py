@@ -29,6 +29,7 @@ ORDER = [
     "batch",
     "snapshot",
     "engine",
+    "testing",
     "examples",
 ]
 """Each part may import from itself and from those before it."""
@@ -40,7 +41,7 @@ ONLY = {
 }
 """Parts that know less than the order allows."""
 
-NEVER = {"engine": {"native"}, "render": {"native"}, "examples": {"native"}}
+NEVER = {"engine": {"native"}, "testing": {"native"}, "render": {"native"}, "examples": {"native"}}
 
 LIBRARIES = {"cffi": {"native"}, "moderngl": {"render"}, "trimesh": {"graph", "examples"}}
 """What is imported in one place only."""

@@ -10,14 +10,16 @@ import numpy as np
 
 from osgode.errors import TreeError
 from osgode.graph.draw_list import DrawList, Instance, Trail, frustum_planes, visible_sphere
-from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Frame, Lines, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Switch
 from osgode.graph.lights import Lamp, Lamps, PointLight
+from osgode.graph.lines import LineSet
 from osgode.graph.lod import Gate, Gates, LevelOfDetail
 from osgode.graph.movers import Anchor, Marks, Place, Tables
 from osgode.graph.node import Node
 from osgode.graph.particles import Cloud, Clouds, Particles
 from osgode.graph.picking import Line, Pick
+from osgode.graph.projection import Projection
 from osgode.graph.transforms import PoseSource, Transform
 from osgode.graph.visitors import Visitor
 from osgode.maths import Pose
@@ -37,6 +39,27 @@ class _Branch(NamedTuple):
     gates: tuple[int, ...]
     trail: Trail | None
     shown: list[Instance]
+
+
+class _Drawn(NamedTuple):
+    """Lines on one way from the root, in which axes they are, and behind which gates."""
+
+    node: LineSet
+    place: Place
+    anchor: Anchor | None
+    gates: tuple[int, ...]
+
+    def now(self, tables: Tables, opened: Marks, interpolation: float) -> list[Lines]:
+        """What is shown, in the axes of the root."""
+        if not all(opened[gate] for gate in self.gates):
+            return []
+        lines = [each for each in self.node.lines(interpolation) if len(each)]
+        matrix = self.place.matrix
+        if self.anchor is not None:
+            matrix = tables.of(self.anchor.source)[self.place.row] @ self.place.fixed()
+            if self.anchor.matrix is not None:
+                matrix = self.anchor.matrix @ matrix
+        return lines if matrix is None else [each.moved(matrix) for each in lines]
 
 
 class CullVisitor(Visitor):
@@ -63,7 +86,10 @@ class CullVisitor(Visitor):
         self._place = _ROOT
         self._trail: Trail | None = None
         self._instances: list[Instance] = []
+        self._projections: tuple[Projection, ...] = ()
+        self._found_projections: list[Projection] = []
         self._anchors: list[Anchor] = []
+        self._line_sets: list[_Drawn] = []
         self._anchor_of: dict[int, int] = {}
         self._gates = Gates((), (), ())
         self._before: tuple[int, ...] = ()
@@ -95,7 +121,7 @@ class CullVisitor(Visitor):
             interpolation: 1 for the poses after the last step, 0 for those before it.
             sun: the light; the default Sun if not given.
             sky: the default Sky if not given.
-            overlay: what is drawn over the picture, in order.
+            overlay: what is drawn over the picture, in order, after what stands below a `Projection`.
 
         Raises:
             TreeError: if moving poses stand below other moving poses (a World below a Body of another World).
@@ -112,10 +138,11 @@ class CullVisitor(Visitor):
             opaque=shown.opaque_bins(inside),
             transparent=shown.transparent_bins(inside, view.pose.position),
             casters=shown.caster_bins(sun, *visible_sphere(view, aspect, self.shadow_reach)),
-            overlay=list(overlay),
+            overlay=[*(item for flat in self._projections for item in flat.items(size)), *overlay],
             sun=sun,
             sky=Sky() if sky is None else sky,
             front=shown.front_bins(inside),
+            lines=[lines for drawn in self._line_sets for lines in drawn.now(tables, opened, interpolation)],
             lights=self._lamps.lights(tables, opened, planes, view.pose.position),
             particles=self._clouds.sprites(opened, planes, view.pose.position),
         )
@@ -168,6 +195,13 @@ class CullVisitor(Visitor):
             self._show(node)
             self.traverse(node)
 
+    def visit_line_set(self, node: LineSet) -> None:
+        """List the lines, unless they are hidden."""
+        if node.visible:
+            anchor = None if self._place.anchor is None else self._anchors[self._place.anchor]
+            self._line_sets.append(_Drawn(node, self._place, anchor, self._before))
+        self.visit_node(node)
+
     def visit_transform(self, node: Transform) -> None:
         """Go on in the node's axes."""
         outer = self._place
@@ -188,9 +222,15 @@ class CullVisitor(Visitor):
             self._keep(node, before)
         self._place = outer
 
+    def visit_projection(self, node: Projection) -> None:
+        """Note it: what is below it is asked for each picture, and stands in no space."""
+        if node.visible:
+            self._found_projections.append(node)
+
     def _collected(self) -> tuple[int, int]:
         """How much the walk has listed: drawables, and all the rest."""
         rest = len(self._gate_list) + len(self._gate_places) + len(self._lamp_list) + len(self._cloud_list)
+        rest += len(self._line_sets) + len(self._found_projections)
         return len(self._instances), rest + len(self._anchors)
 
     def _keep(self, node: Transform, before: tuple[int, int]) -> None:
@@ -247,9 +287,11 @@ class CullVisitor(Visitor):
             self._instances.append(Instance(shown, place.within(shown.matrix), trail, self._before))
 
     def _flatten(self) -> None:
+        self._line_sets = []
         try:
             self.visit(self.root)
             self._list = DrawList(self._instances, self._anchors)
+            self._projections = tuple(self._found_projections)
             self._lamps = Lamps(self._lamp_list, self._anchors)
             self._clouds = Clouds(self._cloud_list)
             self._gates = Gates(self._gate_places, self._gate_list, self._anchors)
@@ -258,6 +300,7 @@ class CullVisitor(Visitor):
             self._place, self._trail, self._before = _ROOT, None, ()
             self._gate_list, self._gate_places, self._lamp_list, self._cloud_list = [], [], [], []
             self._instances, self._anchors, self._anchor_of = [], [], {}
+            self._found_projections = []
 
     def _enter(self, source: PoseSource) -> None:
         place = self._place

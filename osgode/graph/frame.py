@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from osgode.errors import FieldError
 from osgode.graph.appearance import Appearance, Texture
@@ -164,6 +165,62 @@ class Sprites:
     additive: bool = False
 
 
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Straight lines, of one width in pixels however far they are: one draw call. They have neither light nor shadow.
+
+    A later line is drawn over an earlier one.
+
+    Args:
+        points: (n, 2, 3), the ends of each, metres.
+        colours: (n, 4) red, green, blue, opacity of each, bytes or numbers from 0 to 1; or (4,) for all.
+        in_front: whether they are seen through everything.
+        width: pixels.
+
+    Raises:
+        FieldError: if the shapes don't fit, a number is not finite, a colour out of range, or the width not above 0.
+    """
+
+    points: Float32Array
+    colours: npt.NDArray[np.uint8]
+    in_front: bool = False
+    width: float = 1.5
+
+    def __post_init__(self) -> None:
+        points = np.ascontiguousarray(self.points, np.float32)
+        if points.ndim != 3 or points.shape[1:] != (2, 3):
+            raise FieldError(f"Lines.points has shape {points.shape}; it must be (n, 2, 3)")
+        if not np.isfinite(points).all():
+            raise FieldError("Lines.points holds a number that is not finite")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "colours", _colour_bytes(self.colours, len(points)))
+        if not 0.0 < self.width < np.inf:
+            raise FieldError(f"Lines.width is {self.width!r}; it must be above 0 and finite")
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def moved(self, matrix: FloatArray) -> Lines:
+        """The same lines with ``v = matrix @ v_here``, (4, 4)."""
+        moved = (self.points @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+        return Lines(moved, self.colours, self.in_front, self.width)
+
+
+def _colour_bytes(value: npt.ArrayLike, count: int) -> npt.NDArray[np.uint8]:
+    colours = np.asarray(value)
+    if colours.shape not in ((4,), (count, 4)):
+        raise FieldError(f"Lines.colours has shape {colours.shape}; it must be ({count}, 4) or (4,)")
+    if colours.dtype != np.uint8:
+        if not (np.isrealobj(colours) and np.issubdtype(colours.dtype, np.number)):
+            raise FieldError(f"Lines.colours has type {colours.dtype}; it must be bytes, or numbers from 0 to 1")
+        if not ((colours >= 0) & (colours <= 1)).all():
+            raise FieldError(
+                "Lines.colours holds a number outside of 0 to 1; whole ones up to 255 must be of type uint8"
+            )
+        colours = np.rint(colours * 255.0).astype(np.uint8)
+    return np.ascontiguousarray(np.broadcast_to(colours, (count, 4)))
+
+
 @dataclass(frozen=True)
 class Rectangle:
     """A filled rectangle of the overlay, in pixels from the top left."""
@@ -178,13 +235,22 @@ class Rectangle:
 
 @dataclass(frozen=True)
 class Text:
-    """A line (or lines) of text of the overlay; its top left corner in pixels."""
+    """A line (or lines) of text of the overlay.
+
+    Args:
+        x, y: pixels from the top left of the picture.
+        text: with line feeds between lines.
+        size: height of its em, pixels.
+        align: which point of the text is there, in parts of its width and height: (0, 0) its top left corner,
+            (0.5, 0.5) its middle, (1, 1) its bottom right corner.
+    """
 
     x: float
     y: float
     text: str
     size: int = 18
     colour: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    align: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,8 +260,8 @@ class Frame:
     ``opaque`` and ``transparent`` hold what the camera sees, ``transparent`` from far to near (each Bin a run
     of neighbours in that order with the same mesh and appearance); ``casters`` what throws shadows into
     the picture; ``front`` what is seen through all of these, as if they weren't there, opaque before transparent;
-    ``particles`` come after what is transparent, in order; ``overlay`` is drawn last, in order. ``lights`` shine
-    beside the sun, at most `MAX_LIGHTS` of them.
+    ``particles`` come after what is transparent, in order, ``lines`` after what they are hidden by, or after all of it;
+    ``overlay`` is drawn last, in order. ``lights`` shine beside the sun, at most `MAX_LIGHTS` of them.
     """
 
     view: View
@@ -207,6 +273,7 @@ class Frame:
     sun: Sun = Sun()
     sky: Sky = Sky()
     front: list[Bin] = field(default_factory=list)
+    lines: list[Lines] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
     particles: list[Sprites] = field(default_factory=list)
 

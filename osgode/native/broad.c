@@ -41,16 +41,16 @@ struct oo_broad {
     mover *movers;
     unsigned int mover_count, mover_capacity, unsorted; /* the last ones are new in the list */
     int axis;
-    double sums[3], squares[3]; /* of the middles of the movers */
 
     box_tree tree;
-    slots huge, hits;
+    slots huge, heard, hits;
     box_tree mover_tree; /* for as long as questions are asked */
 
     unsigned char *reached; /* by body: woken by what is awake, in this step */
     unsigned int reached_capacity;
     slots queue;
-    unsigned int sleepers;
+    unsigned char *asleep; /* by body, when it was looked at last */
+    unsigned int asleep_capacity, sleepers;
     int current; /* it saw the last step */
 };
 
@@ -69,11 +69,19 @@ static void mark_space(oo_world *w, dSpaceID space, unsigned int slot) {
     w->broad->spaces[slot] = m;
 }
 
-static void mark_spaces(oo_world *w) {
+/* Spaces are made before what they hold, so their slots are mostly low ones. */
+static int mark_spaces(oo_world *w) {
+    struct oo_broad *b = w->broad;
+    unsigned int end = 0, had = b->space_capacity;
+    for (unsigned int slot = 0; slot < w->geom_count; slot++)
+        if (w->geoms[slot].flags & OO_IS_SPACE) end = slot + 1;
+    if (reserve(&b->spaces, &b->space_capacity, end, sizeof *b->spaces)) return OO_NO_MEMORY;
+    for (unsigned int i = had; i < b->space_capacity; i++) b->spaces[i] = (members){0};
     for (unsigned int slot = 0; slot < w->geom_count; slot++)
         if ((w->geoms[slot].flags & (OO_ALIVE | OO_IS_SPACE)) == (OO_ALIVE | OO_IS_SPACE))
             mark_space(w, (dSpaceID)w->geoms[slot].id, slot);
     w->pairs_are_new = 0;
+    return OO_OK;
 }
 
 static int declared(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
@@ -94,12 +102,9 @@ static int make_room(oo_world *w) {
     unsigned int had = b->entry_capacity;
     if (reserve(&b->entries, &b->entry_capacity, w->geom_count, sizeof *b->entries)) return OO_NO_MEMORY;
     for (unsigned int i = had; i < b->entry_capacity; i++) b->entries[i] = (entry){.leaf = NONE, .state = OUT};
-    had = b->space_capacity;
-    if (reserve(&b->spaces, &b->space_capacity, w->geom_count, sizeof *b->spaces)) return OO_NO_MEMORY;
-    for (unsigned int i = had; i < b->space_capacity; i++) b->spaces[i] = (members){0};
     if (reserve(&b->movers, &b->mover_capacity, w->geom_count, sizeof *b->movers)) return OO_NO_MEMORY;
-    if (reserve(&b->huge.at, &b->huge.capacity, w->geom_count, sizeof *b->huge.at)) return OO_NO_MEMORY;
     if (reserve(&b->reached, &b->reached_capacity, w->body_count, sizeof *b->reached)) return OO_NO_MEMORY;
+    if (reserve(&b->asleep, &b->asleep_capacity, w->body_count, sizeof *b->asleep)) return OO_NO_MEMORY;
     return reserve(&b->queue.at, &b->queue.capacity, w->body_count, sizeof *b->queue.at);
 }
 
@@ -121,24 +126,9 @@ static dSpaceID space_of(const oo_geom *geom) {
     return is_geom && dGeomIsEnabled(geom->id) ? dGeomGetSpace(geom->id) : NULL;
 }
 
-static void note_mover(struct oo_broad *b, unsigned int slot, int is_new) {
-    const box *of = &b->entries[slot].box;
-    for (int k = 0; k < 3; k++) {
-        double middle = of->low[k] + of->high[k];
-        b->sums[k] += middle;
-        b->squares[k] += middle * middle;
-    }
-    if (!is_new) return;
-    b->movers[b->mover_count++].slot = slot;
-    b->unsorted++;
-}
-
 static int note_quiet(struct oo_broad *b, unsigned int slot, const box *now) {
     entry *e = &b->entries[slot];
-    if (e->state == HUGE_BOX) {
-        b->huge.at[b->huge.count++] = slot;
-        return OO_OK;
-    }
+    if (e->state == HUGE_BOX) return put_slot(&b->huge, slot);
     if (e->leaf == NONE) e->leaf = tree_plant(&b->tree, now, slot);
     return e->leaf == NONE ? OO_NO_MEMORY : OO_OK;
 }
@@ -169,20 +159,57 @@ static int update_entry(oo_world *w, unsigned int slot) {
         e->leaf = NONE;
     }
     e->box = now;
-    if (moving) {
-        note_mover(b, slot, !was_moving);
-        return OO_OK;
+    if (!moving) return note_quiet(b, slot, &now);
+    if (!was_moving) {
+        b->movers[b->mover_count++].slot = slot;
+        b->unsorted++;
     }
-    b->sleepers += dGeomGetBody(geom) != NULL;
-    return note_quiet(b, slot, &now);
+    return OO_OK;
 }
 
 static int *leaf_of(void *b, unsigned int slot) { return &((struct oo_broad *)b)->entries[slot].leaf; }
 
+static int update_all(oo_world *w) {
+    struct oo_broad *b = w->broad;
+    b->huge.count = b->heard.count = b->sleepers = 0;
+    for (unsigned int slot = 0; slot < w->geom_count; slot++) {
+        if (update_entry(w, slot)) return OO_NO_MEMORY;
+        if (w->geoms[slot].flags & HEARD && put_slot(&b->heard, slot)) return OO_NO_MEMORY;
+    }
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        b->asleep[i] = !dBodyIsEnabled(w->bodies[i].id);
+        b->sleepers += b->asleep[i];
+    }
+    return OO_OK;
+}
+
+/* What nobody has touched and what sleeps as before stands as before: only bodies that are awake or were are looked at.
+   `huge` tells if the list of huge boxes is no longer true, which is rare enough to look at everything then. */
+static int update_awake(oo_world *w, int *huge) {
+    struct oo_broad *b = w->broad;
+    b->sleepers = 0;
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        dBodyID body = w->bodies[i].id;
+        int asleep = !dBodyIsEnabled(body);
+        b->sleepers += (unsigned int)asleep;
+        if (asleep && b->asleep[i]) continue;
+        b->asleep[i] = (unsigned char)asleep;
+        for (dGeomID geom = dBodyGetFirstGeom(body); geom; geom = dBodyGetNextGeom(geom)) {
+            unsigned int slot = (unsigned int)(size_t)dGeomGetData(geom);
+            int before = b->entries[slot].state;
+            if (update_entry(w, slot)) return OO_NO_MEMORY;
+            *huge |= (before == HUGE_BOX) != (b->entries[slot].state == HUGE_BOX);
+        }
+    }
+    return OO_OK;
+}
+
 /* Movers that were there before keep their places in the list, since they are nearly sorted; new ones come behind. */
 static int update(oo_world *w) {
     struct oo_broad *b = w->broad;
-    if (w->pairs_are_new) mark_spaces(w);
+    int all = w->edited;
+    w->edited = 1; /* until this is done */
+    if (w->pairs_are_new && mark_spaces(w)) return OO_NO_MEMORY;
     unsigned int kept = 0;
     for (unsigned int i = 0; i < b->mover_count; i++) {
         unsigned int slot = b->movers[i].slot;
@@ -192,23 +219,31 @@ static int update(oo_world *w) {
             b->entries[slot].state = OUT; /* until it is looked at below */
     }
     b->mover_count = kept;
-    b->huge.count = b->sleepers = b->unsorted = 0;
-    memset(b->sums, 0, sizeof b->sums);
-    memset(b->squares, 0, sizeof b->squares);
-    for (unsigned int slot = 0; slot < w->geom_count; slot++)
-        if (update_entry(w, slot)) return OO_NO_MEMORY;
+    b->unsorted = 0;
+    if (!all && update_awake(w, &all)) return OO_NO_MEMORY;
+    if (all && update_all(w)) return OO_NO_MEMORY;
+    w->edited = 0;
     return tree_is_worn(&b->tree) ? tree_rebuild(&b->tree, leaf_of, b) : OO_OK;
 }
 
 /* ------------------------------------------------------------------ movers against each other */
 
-/* The axis along which they are spread most: along another most of them would overlap. */
+/* The axis along which they are spread most: along another most of them would overlap. Of two that are as good, to
+   rounding, the first: in which order they stand in the list must not show. */
 static int widest_axis(const struct oo_broad *b) {
-    double widest = -1;
+    double widest = -1, sums[3] = {0}, squares[3] = {0};
     int axis = 0;
+    for (unsigned int i = 0; i < b->mover_count; i++) {
+        const box *of = &b->entries[b->movers[i].slot].box;
+        for (int k = 0; k < 3; k++) {
+            double middle = of->low[k] + of->high[k];
+            sums[k] += middle;
+            squares[k] += middle * middle;
+        }
+    }
     for (int k = 0; k < 3; k++) {
-        double spread = b->squares[k] - b->sums[k] * b->sums[k] / b->mover_count;
-        if (spread > widest) {
+        double spread = squares[k] - sums[k] * sums[k] / b->mover_count;
+        if (spread > widest * (1 + 1e-9)) {
             widest = spread;
             axis = k;
         }
@@ -347,10 +382,11 @@ static int flood(oo_world *w) {
 /* What somebody listens to is told that it still touches, though all of it sleeps. */
 static int meet_listened(oo_world *w) {
     struct oo_broad *b = w->broad;
-    for (unsigned int slot = 0; slot < w->geom_count; slot++) {
+    for (unsigned int h = 0; h < b->heard.count; h++) {
+        unsigned int slot = b->heard.at[h];
         const entry *e = &b->entries[slot];
         int quiet = e->state == QUIET || e->state == HUGE_BOX;
-        if (!quiet || !(w->geoms[slot].flags & HEARD) || is_done(w, slot)) continue;
+        if (!quiet || is_done(w, slot)) continue;
         if (find_quiet(b, &e->box)) return OO_NO_MEMORY;
         for (unsigned int i = 0; i < b->hits.count; i++) {
             unsigned int other = b->hits.at[i];
@@ -374,6 +410,7 @@ int find_pairs(oo_world *w) {
 
 void broad_forget(oo_world *w) {
     if (w->broad) w->broad->current = 0;
+    w->edited = 1;
 }
 
 /* Sleepers touch what they lie on without a contact that says so. */
@@ -393,8 +430,8 @@ unsigned long long oo_broad_bytes(const oo_world *w) {
     const struct oo_broad *b = w->broad;
     if (!b) return 0;
     return sizeof *b + b->entry_capacity * sizeof *b->entries + b->space_capacity * sizeof *b->spaces +
-           b->mover_capacity * sizeof *b->movers + (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity +
-           (b->huge.capacity + b->hits.capacity + b->queue.capacity) * sizeof(unsigned int);
+           b->mover_capacity * sizeof *b->movers + (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity + b->asleep_capacity +
+           (b->huge.capacity + b->heard.capacity + b->hits.capacity + b->queue.capacity) * sizeof(unsigned int);
 }
 
 void broad_free(oo_world *w) {
@@ -406,8 +443,10 @@ void broad_free(oo_world *w) {
     free(b->tree.nodes);
     free(b->mover_tree.nodes);
     free(b->huge.at);
+    free(b->heard.at);
     free(b->hits.at);
     free(b->reached);
+    free(b->asleep);
     free(b->queue.at);
     free(b);
 }

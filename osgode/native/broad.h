@@ -54,4 +54,19 @@ HIDDEN void tree_visit(const box_tree *, int (*meets)(const box *, const void *)
                        void (*visit)(void *, unsigned int slot), void *data);
 HIDDEN void tree_clear(box_tree *);
 
+/* A node of a tree that will not change any more. All below one follow it, up to `next`: no way back is needed. */
+typedef struct twig {
+    float low[3], high[3]; /* rounded outwards */
+    int next, slot;        /* NONE: it is no leaf */
+} twig;
+
+static inline float float_below(double x) {
+    float f = (float)x;
+    return f > x ? nextafterf(f, -INFINITY) : f;
+}
+static inline float float_above(double x) { return -float_below(-x); }
+
+/* In as many twigs as the tree has nodes. */
+HIDDEN void tree_flatten(const box_tree *, twig *);
+
 #endif

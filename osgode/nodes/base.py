@@ -7,11 +7,12 @@ import weakref
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from osgode.errors import PhysicsError, StateError, TreeError, shown
-from osgode.fields import Field, Followed, fields_of
+from osgode.errors import FieldError, PhysicsError, StateError, TreeError, shown
+from osgode.fields import Field, Followed, fields_of, number, whole
 from osgode.graph.node import Group, Node
 from osgode.native import forward_messages, last_error, lib
 from osgode.nodes.listeners import tell_let_go
+from osgode.scheduler import Callback, ScheduledCall
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from osgode.nodes.realm import Realm
     from osgode.nodes.spaces import Space
     from osgode.nodes.world import World
+
+
+DELAY, PRIORITY, SECONDS = whole(1, 2**31), whole(-(2**31), 2**31), number(0.0, 1e9)
 
 
 class HasFields:
@@ -163,6 +167,40 @@ class PhysicsNode(HasFields, Node):
 
         return next((node for node in self.ancestors if isinstance(node, Space)), None)
 
+    def schedule(
+        self, callback: Callback, delay: int = 1, priority: int = 0, *, seconds: float | None = None
+    ) -> ScheduledCall:
+        """Have ``callback(node)`` called at the end of a step to come, outside of ODE: it may change anything.
+
+        If it returns True it is scheduled again with the same delay: a controller. Calls due in one step are made in
+        the order of their priorities, the highest first, then in that of scheduling. What one raises leaves
+        `World.step` when all have been made, and it isn't scheduled again. When the node leaves its World its calls are
+        dropped.
+
+        Args:
+            callback: what is called with this node.
+            delay: steps from now; 1 is the end of the next step (inside of a step: of the one after it).
+            priority: any whole number.
+            seconds: instead of ``delay``, rounded to whole steps of the World, at least one.
+
+        Raises:
+            StateError: outside of a World.
+            FieldError: for a bad delay or priority, both of delay and seconds, or what can't be called.
+        """
+        name = f"{self.describe()}.schedule()"
+        world = self._live("schedule").world_ref
+        owner = world() if world is not None else None
+        if owner is None:
+            raise StateError(f"{name}: its World is gone")
+        if not callable(callback):
+            raise FieldError(f"{name}: callback is {shown(callback)}; it must be callable with the node")
+        if seconds is not None:
+            if delay != 1:
+                raise FieldError(f"{name}: give either delay or seconds")
+            delay = max(round(SECONDS(name, "seconds", seconds) / owner.step_size), 1)
+        count, rank = DELAY(name, "delay", delay), PRIORITY(name, "priority", priority)
+        return owner._agenda.add(self, callback, count, rank, owner.steps)
+
     # -- coming and going
 
     def _linked(self, parent: Group) -> None:
@@ -273,6 +311,8 @@ class PhysicsNode(HasFields, Node):
                 node._enter(realm)
             for node in entered:
                 node._settle()
+            for node in entered:
+                node._entered()
         except BaseException:
             for node in reversed(entered):
                 if node._realm is not None:
@@ -297,10 +337,16 @@ class PhysicsNode(HasFields, Node):
     def _settle(self) -> None:
         """Called when the whole subtree has entered."""
 
+    def _entered(self) -> None:
+        """Called when all of it, joints too, is as it will be; may raise to refuse."""
+
     def _leave(self) -> None:
         """Take the state into the record and free the native."""
         realm = self._live("leaving it")
         del realm.members[self]
+        world = self.world
+        if world is not None:
+            world._agenda.drop(self)
         self._realm = None
 
     def _place(self) -> None:

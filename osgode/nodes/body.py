@@ -8,7 +8,7 @@ import numpy as np
 
 from osgode.fields import POSITION_LIMIT, vector
 from osgode.graph.transforms import PoseSource, Transform
-from osgode.maths import ZERO, FloatArray, Vec3, Vec3Like
+from osgode.maths import ZERO, FloatArray, Pose, Quat, Vec3, Vec3Like
 from osgode.native import ffi, lib
 from osgode.nodes.bodystate import (
     FORCE_LIMIT,
@@ -54,6 +54,17 @@ class Body(Listening, Tunnelling, Transform):
         world = self.world
         return None if world is None else (world, self._index)
 
+    def interpolated_pose(self, interpolation: float) -> Pose:
+        """The pose between the step before the last (0) and the last (1): what a picture shows.
+
+        Outside of a World, where nothing moves, `pose`.
+        """
+        world = self.world
+        if world is None:
+            return self.pose
+        x, y, z, *rotation = world.interpolated_poses(interpolation, self._index)[0].tolist()
+        return Pose(Vec3(x, y, z), Quat(*rotation))
+
     # -- acting on it
 
     def add_force(self, force: Vec3Like, *, at: Vec3Like | None = None) -> None:
@@ -64,7 +75,7 @@ class Body(Listening, Tunnelling, Transform):
             StateError: outside of a World.
         """
         f = self._argument("add_force", "force", force, FORCE_LIMIT)
-        with self._live("add_force").editing():
+        with self._live("add_force").holding():
             if at is None:
                 lib.dBodyAddForce(self._id, *f)
             else:
@@ -80,7 +91,7 @@ class Body(Listening, Tunnelling, Transform):
     def add_torque(self, torque: Vec3Like) -> None:
         """Turn with ``torque`` (N m, world axes) during the next step."""
         t = self._argument("add_torque", "torque", torque, FORCE_LIMIT)
-        with self._live("add_torque").editing():
+        with self._live("add_torque").holding():
             lib.dBodyAddTorque(self._id, *t)
             lib.dBodyEnable(self._id)
 
@@ -121,7 +132,7 @@ class Body(Listening, Tunnelling, Transform):
         self.apply_angular_impulse(self.vector_to_world(j))
 
     def _kick(self, doing: str, linear: Vec3, angular: Vec3) -> None:
-        with self._live(doing).editing():
+        with self._live(doing).holding():
             if self.kinematic:
                 return
             properties = self.mass_properties
@@ -146,7 +157,7 @@ class Body(Listening, Tunnelling, Transform):
     def wake(self) -> None:
         """Let it move again if it has fallen asleep; pushes, hits and set velocities do so too."""
         if self._realm is not None:
-            with self._realm.editing():
+            with self._realm.holding():
                 lib.dBodyEnable(self._id)
 
     # -- joints and touching

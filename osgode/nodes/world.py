@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import weakref
+from time import perf_counter
 from typing import TYPE_CHECKING, Any, Self, Unpack
 
 import numpy as np
@@ -17,6 +18,7 @@ from osgode.maths import FloatArray, pose_matrices
 from osgode.native import checked, ffi, forward_messages, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
+from osgode.nodes.exports import NO_TIME, Exports
 from osgode.nodes.feedback import ask
 from osgode.nodes.listeners import errors_of_let_go, raise_all
 from osgode.nodes.queries import Queries
@@ -24,6 +26,7 @@ from osgode.nodes.realm import Realm
 from osgode.nodes.spaces import Space
 from osgode.nodes.touch import Ears, Listening, contact_rows, tell_touches
 from osgode.nodes.worldsettings import WorldFields, WorldSettings
+from osgode.scheduler import Agenda
 
 if TYPE_CHECKING:
     from osgode.joints.base import Joint
@@ -34,7 +37,7 @@ JOINT_ROW = row_dtype("oo_joint_state")
 log = logging.getLogger("osgode")
 
 
-class World(Listening, Queries, WorldSettings, Group):
+class World(Listening, Queries, Exports, WorldSettings, Group):
     """The root of a simulation: bodies and spaces attached below it exist in ODE.
 
     What is dropped with the World turns into plain data again and keeps its state. A World may be used by one
@@ -56,6 +59,7 @@ class World(Listening, Queries, WorldSettings, Group):
         self._retired: list[tuple[int, PhysicsNode | None]] = []
         self._ripe: list[tuple[int, PhysicsNode | None]] = []
         self._touch_ears, self._collide_ears = Ears(), Ears()
+        self._agenda = Agenda()
         weakref.finalize(self, realm.close).atexit = False
         super().__init__(name=name, visible=visible)
         self._set_fields({field_name: field.default for field_name, field in self.FIELDS.items()})
@@ -167,8 +171,8 @@ class World(Listening, Queries, WorldSettings, Group):
     def step(self, count: int = 1) -> None:
         """Simulate ``count`` steps of `step_size`.
 
-        Each collides, moves the bodies, and then tells the listeners. All listeners of a step are heard even if one
-        raises; the error then leaves this call, and the World stays usable.
+        Each collides, moves the bodies, then tells the listeners and makes the scheduled calls that are due. All of a
+        step are heard even if one raises; the error then leaves this call, and the World stays usable.
 
         Raises:
             PhysicsError: if a body's state is no longer finite, or it left the bounds of 1e8 m; the message names it.
@@ -177,14 +181,18 @@ class World(Listening, Queries, WorldSettings, Group):
         """
         if count.__class__ is not int or count != 1:  # called once a step, so the usual case is not checked at length
             count = STEP_COUNT(f"{self.describe()}.step()", "count", count)
-        with self._live("step").editing() as realm:
+        realm = self._live("step")
+        with realm.holding():
             if realm.stepping:
                 raise StateError(f"{self.describe()}.step() was called from a listener inside a step")
             realm.stepping = True
+            started = perf_counter()
+            realm.ptr.timings = NO_TIME
             try:
                 self._step(realm, count)
             finally:
                 realm.stepping = False
+                self._took = perf_counter() - started
 
     def run(self, seconds: float | None = None, *, steps: int | None = None) -> None:
         """Simulate for a time, rounded to whole steps, or for a number of steps; see `step`."""
@@ -202,10 +210,11 @@ class World(Listening, Queries, WorldSettings, Group):
             if realm.pairs_changed:
                 self._send_pairs(realm)
             before = ptr.steps
+            until_due = self._agenda.steps_until_due(before)
             realm.busy = True
             realm.ray_hits = None
             try:
-                status = lib.oo_run(ptr, left)
+                status = lib.oo_run(ptr, left if until_due is None else min(left, until_due))
             finally:
                 realm.busy = False
                 done = ptr.steps - before
@@ -218,6 +227,7 @@ class World(Listening, Queries, WorldSettings, Group):
             realm.take_back_surfaces()
             if done:
                 self._tell(realm, errors)
+                errors += self._agenda.make_due(ptr.steps)
             realm.broken = status == lib.OO_BROKEN
             if status < 0:
                 errors.append(self._failure(realm, status))
@@ -344,12 +354,13 @@ class World(Listening, Queries, WorldSettings, Group):
         slot = STEP_COUNT(f"{self.describe()}.geom_of_slot()", "slot", slot)
         return self._live("geom_of_slot").node_of_slot(slot)
 
-    def interpolated_poses(self, interpolation: float) -> FloatArray:
-        """Poses between the step before the last (0) and the last (1): (n, 7)."""
-        last = self.poses
+    def interpolated_poses(self, interpolation: float, row: int | None = None) -> FloatArray:
+        """Poses between the step before the last (0) and the last (1): (n, 7), or (1, 7) of one row."""
+        rows = slice(None) if row is None else slice(row, row + 1)
+        last = self.poses[rows]
         if interpolation >= 1.0:
             return last
-        before = self.previous_poses
+        before = self.previous_poses[rows]
         mixed = before + (last - before) * interpolation
         q = mixed[:, 3:]
         # The shorter way round: q and -q are the same rotation.

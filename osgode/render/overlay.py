@@ -92,8 +92,8 @@ def _corners(item: Rectangle | Text, texture: moderngl.Texture) -> list[tuple[fl
         x, y, width, height = item.x, item.y, item.width, item.height
     else:
         # On whole pixels, or the letters blur.
-        x, y = round(item.x), round(item.y)
         width, height = texture.size
+        x, y = round(item.x - item.align[0] * width), round(item.y - item.align[1] * height)
     right, bottom = x + width, y + height
     top_left = (x, y, 0.0, 1.0, *item.colour)
     top_right = (right, y, 1.0, 1.0, *item.colour)

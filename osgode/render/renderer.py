@@ -15,6 +15,7 @@ from osgode.graph.frame import MAX_LIGHTS, Bin, Frame, Light
 from osgode.maths import FloatArray
 from osgode.render import shaders
 from osgode.render.culling import plain
+from osgode.render.lines import LineDrawer
 from osgode.render.overlay import Overlay
 from osgode.render.resources import SHADOW_UNIT, TEXTURE_UNIT, FrameBlock, InstanceBuffer, Resources
 from osgode.render.shadows import Cascade, ShadowMap, light_axes, select
@@ -94,6 +95,7 @@ class GLRenderer:
         self._shadow_map = ShadowMap(context, self._resources, quality.shadow_size, quality.shadow_distances)
         self._sky_program = self._resources.program(shaders.SKY_VERTEX, shaders.SKY_FRAGMENT)
         self._sky = context.vertex_array(self._sky_program, [])
+        self._lines = LineDrawer(context, self._resources)
         self._overlay = Overlay(context, self._resources)
         self._sprites = SpriteDrawer(context, self._resources)
         self._lamps: list[str] = []
@@ -137,7 +139,9 @@ class GLRenderer:
         self._sky.render(vertices=3)
         draws += 1 + self._draw_transparent(frame.transparent, firsts[len(frame.opaque) :], shadowed, target)
         draws += self._sprites.draw(frame.particles, target)
+        draws += self._draw_lines(frame, size, target, in_front=False)
         draws += self._draw_front(frame.front, firsts[len(frame.opaque) + len(frame.transparent) :], target)
+        draws += self._draw_lines(frame, size, target, in_front=True)
         draws += self._overlay.draw(frame.overlay, frame.size)
         self.counts = Counts(draws, sum(map(len, blocks)), self._resources.mesh_count, self._resources.texture_count)
 
@@ -215,6 +219,19 @@ class GLRenderer:
             program = self._set_appearance(one.appearance, shadowed=False, cutout=True)
             self._resources.mesh(one.mesh).draw(program, self._instances, first, len(one.matrices), "both")
         return len(bins)
+
+    def _draw_lines(self, frame: Frame, size: tuple[int, int], target: moderngl.Framebuffer, *, in_front: bool) -> int:
+        several = [lines for lines in frame.lines if lines.in_front == in_front]
+        if not several:
+            return 0
+        context = self._context
+        context.enable_only(context.BLEND if in_front else context.BLEND | context.DEPTH_TEST)
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        target.depth_mask = False
+        draws = self._lines.draw(several, size, frame.view)
+        target.depth_mask = True
+        context.enable_only(context.BLEND | context.DEPTH_TEST)
+        return draws
 
     def _set_appearance(self, appearance: Appearance, shadowed: bool, *, cutout: bool) -> moderngl.Program:
         texture, features = appearance.texture, []

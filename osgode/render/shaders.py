@@ -362,6 +362,68 @@ void main() {
 """
 )
 
+LINE_VERTEX = (
+    _FRAME
+    + """
+layout(location = 0) in vec3 in_start;
+layout(location = 1) in vec3 in_end;
+layout(location = 2) in vec4 in_colour;
+
+uniform vec2 u_half;
+uniform vec4 u_near;
+uniform vec2 u_width;
+uniform float u_nearer;
+
+out vec4 v_colour;
+out float v_across;
+
+void main() {
+    // What lies on a surface must not be hidden by it: nearer to the eye, at the same place of the picture.
+    vec3 start = mix(in_start, u_eye.xyz, u_nearer);
+    vec3 end = mix(in_end, u_eye.xyz, u_nearer);
+    // Behind the eye there is no place in the picture: the line is cut off at the near plane.
+    float a = dot(u_near, vec4(start, 1.0)), b = dot(u_near, vec4(end, 1.0));
+    if (a < 0.0 && b < 0.0) {
+        gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+        return;
+    }
+    vec3 whole = end - start;
+    if (a < 0.0) {
+        start += whole * (a / (a - b));
+    } else if (b < 0.0) {
+        end -= whole * (b / (b - a));
+    }
+    vec4 p = u_view_projection * vec4(start, 1.0), q = u_view_projection * vec4(end, 1.0);
+    vec2 along = (q.xy / q.w - p.xy / p.w) * u_half;
+    float pixels = length(along);
+    along = pixels > 1e-6 ? along / pixels : vec2(1.0, 0.0);
+    float side = float(gl_VertexID & 1) * 2.0 - 1.0, last = float(gl_VertexID >> 1) * 2.0 - 1.0;
+    float reach = 0.5 * (u_width.x + u_width.y);
+    vec4 corner = last > 0.0 ? q : p;
+    // Longer by half its width, so that corners are closed.
+    vec2 off = vec2(-along.y, along.x) * (side * reach) + along * (last * 0.5 * u_width.x);
+    corner.xy += off / u_half * corner.w;
+    gl_Position = corner;
+    v_colour = in_colour;
+    v_across = side * reach;
+}
+"""
+)
+
+LINE_FRAGMENT = """#version 330 core
+in vec4 v_colour;
+in float v_across;
+
+uniform vec2 u_width;
+
+out vec4 out_colour;
+
+void main() {
+    float inside = clamp((0.5 * (u_width.x + u_width.y) - abs(v_across)) / u_width.y, 0.0, 1.0);
+    out_colour = vec4(v_colour.rgb, v_colour.a * inside);
+}
+"""
+
 
 def surface(*features: str) -> tuple[str, str]:
     """The vertex and the fragment shader of surfaces.

@@ -5,49 +5,20 @@ import math
 import pytest
 
 import osgode as oo
+from osgode.engine import Camera, MouseMotion, Press, Release, Wheel, video
+from osgode.examples import __main__ as everything
 from osgode.examples import runner
 from osgode.examples.crates import Crates
-from osgode.examples.runner import Orbit, Pacemaker
+from osgode.examples.runner import Orbit
 from osgode.render import RecordingDrawer
-
-STEP = 1 / 120
-
-
-def test_steps_follow_the_clock_without_drifting():
-    """After many frames of uneven length there are as many steps as fit into the time, give or take one."""
-    pace = Pacemaker(STEP)
-    frames = [0.003 + 0.0007 * (k * 37 % 50) for k in range(1000)]
-    steps = [pace.take(seconds) for seconds in frames]
-    assert abs(sum(steps) - sum(frames) / STEP) <= 1
-    assert pace.lost == 0
-
-
-@pytest.mark.parametrize("fps", [24, 30, 60, 120])
-def test_at_an_even_rate_each_frame_has_the_same_steps(fps):
-    pace = Pacemaker(STEP)
-    assert {pace.take(1 / fps) for _ in range(1000)} == {120 // fps}
-
-
-def test_the_rest_says_how_far_the_picture_is_between_two_steps():
-    pace = Pacemaker(STEP)
-    assert pace.take(1.25 * STEP) == 1
-    assert pace.interpolation == pytest.approx(0.25)
-    assert pace.take(0.25 * STEP) == 0
-    assert pace.interpolation == pytest.approx(0.5)
-
-
-def test_a_machine_that_is_too_slow_does_not_fall_behind_for_ever():
-    """A frame that took two seconds asks for as many steps as the longest allowed one; the loss is counted."""
-    pace = Pacemaker(STEP, longest=0.1)
-    assert pace.take(2.0) == 12
-    assert pace.lost == pytest.approx(1.9)
-    assert pace.take(STEP) == 1
 
 
 @pytest.mark.parametrize(("yaw", "pitch", "seconds"), [(0, 0, 0), (1.2, 0.4, 0), (-2.0, 1.2, 3.0)])
 def test_the_camera_looks_at_its_target_from_its_distance(yaw, pitch, seconds):
     orbit = Orbit(oo.Vec3(1, 2, 3), 5.0, yaw, pitch, turn=0.3)
-    eye = orbit.view(seconds).pose
+    camera = Camera()
+    orbit.place(camera, seconds)
+    eye = camera.view().pose
     assert tuple(eye.inverse().transform(orbit.target)) == pytest.approx((0, 0, -5), abs=1e-12)
     assert eye.rotation.rotate((1, 0, 0)).y == pytest.approx(0, abs=1e-12)  # its horizon is level
     assert eye.position.y == pytest.approx(2 + 5 * math.sin(pitch))
@@ -61,30 +32,44 @@ def test_dragging_turns_the_camera_and_stops_its_own_turning():
 
 
 class FakeWindow(RecordingDrawer):
-    """As the real one, but it only records; closed after some frames."""
+    """As the real one, but it only records; closed by the user after some frames."""
 
     def __init__(self, lasts):
         super().__init__()
         self.lasts, self.closed, self.size = lasts, False, (64, 36)
 
     def pump(self):
-        self.closed = self.drawn >= self.lasts
+        import pygame
 
-    def __enter__(self):
-        return self
+        return [pygame.event.Event(pygame.QUIT)] if self.drawn >= self.lasts else []
 
-    def __exit__(self, *_):
+    def close(self):
         self.closed = True
 
 
 @pytest.mark.parametrize(("frames", "lasts", "drawn"), [(4, 100, 4), (None, 3, 4)])
 def test_a_window_is_drawn_until_it_is_closed_or_the_frames_are_up(frames, lasts, drawn, monkeypatch):
-    monkeypatch.setattr(runner, "steer", lambda window, camera: None)
+    pytest.importorskip("pygame")
     window, example = FakeWindow(lasts), Crates()
-    (told,) = runner.play(example, window, frames)
+    monkeypatch.setattr(runner, "has_screen", lambda: True)
+    monkeypatch.setattr(video, "Window", lambda *_: window)
+    (told,) = runner.play(example, frames)
     assert window.drawn == drawn
     assert window.closed
     assert "steps per second" in told
+
+
+def test_in_a_window_the_mouse_and_the_keys_go_round_and_the_wheel_nearer():
+    with runner.without_window(Crates(), 60.0) as app:
+        orbit, source = app.scene.orbit, app.events.source
+        yaw, pitch, distance = orbit.yaw, orbit.pitch, orbit.distance
+        source.send(Press("mouse_left"), MouseMotion(50, -10), Wheel(1))
+        app.cycle()
+        assert (orbit.yaw, orbit.pitch) == pytest.approx((yaw - 50 * runner.DRAG, pitch - 10 * runner.DRAG))
+        assert orbit.distance == pytest.approx(distance * runner.ZOOM)
+        source.send(Release("mouse_left"), MouseMotion(50, 0), Press("arrow_left"))
+        app.cycle()
+        assert orbit.yaw == pytest.approx(yaw - 50 * runner.DRAG - runner.STEP)
 
 
 def test_without_a_display_no_window_is_tried(monkeypatch):
@@ -92,7 +77,7 @@ def test_without_a_display_no_window_is_tried(monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     assert not runner.has_screen()
-    assert runner.open_window(Crates()) is None
+    assert runner.play(Crates(), None) is None
 
 
 def test_without_pillow_things_have_plain_colours(monkeypatch):
@@ -107,3 +92,26 @@ def test_nothing_to_do_is_said(arguments, capsys):
     with pytest.raises(SystemExit):
         runner.run(Crates, ["--headless", *arguments])
     assert "nothing to be done" in capsys.readouterr().err
+
+
+def test_the_examples_are_listed_with_what_they_show(capsys):
+    everything.main([])
+    out = capsys.readouterr().out
+    assert "crates" in out
+    assert Crates.__module__.rpartition(".")[2] in everything.names()
+    for name in everything.names():
+        assert f"  {name} " in out
+        assert everything.about(name)
+
+
+def test_an_example_is_run_by_its_name(capsys):
+    everything.main(["crates", "--headless", "--seconds", "0.1"])
+    assert "12 steps" in capsys.readouterr().out
+
+
+def test_an_unknown_example_is_refused_with_a_list(capsys):
+    with pytest.raises(SystemExit):
+        everything.main(["moonshot"])
+    told = capsys.readouterr()
+    assert "'moonshot'" in told.err
+    assert "crates" in told.out

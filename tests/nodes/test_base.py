@@ -22,7 +22,15 @@ from tests.trees import Rig, assert_photos_agree, is_consistent, photo
 
 # -- who may stand under whom
 
-VISUAL = {"Group", "PositionAttitudeTransform", "MatrixTransform", "Switch", "LevelOfDetail"}
+VISUAL = {
+    "Group",
+    "PositionAttitudeTransform",
+    "MatrixTransform",
+    "Switch",
+    "LevelOfDetail",
+    "Projection",
+    "OverlayNode",
+}
 SPACES = {"SimpleSpace", "HashSpace", "QuadTreeSpace", "SweepAndPruneSpace"}
 GROUPS = VISUAL | SPACES | {"World", "Body", "Placeable", "CentreOfMass"}
 
@@ -36,7 +44,7 @@ ALLOWED = {
         ("Box", "Sphere", "Capsule", "Cylinder", "Trimesh", "ConvexHull", "Heightfield", "Ray"), SPACES | {"Placeable"}
     ),
     "Plane": SPACES,
-    **dict.fromkeys(VISUAL | {"Leaf", "Particles", "PointLight", "SpotLight"}, GROUPS),
+    **dict.fromkeys(VISUAL | {"Leaf", "LineSet", "Particles", "PointLight", "SpotLight"}, GROUPS),
 }
 """The rules of spec N1, written down a second time."""
 
