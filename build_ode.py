@@ -18,10 +18,11 @@ UNITS = (
         "contacts",
         "seams",
         "lying",
+        "capsules",
         "joints",
         "gears",
     ),
-    *("boxtree", "broad", "islands", "step", "queries", "gjk", "triangles", "sweep"),
+    *("boxtree", "broad", "broadqueries", "islands", "step", "queries", "gjk", "triangles", "sweep"),
 )
 HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "onmesh.h", "shapes.h", "ode.cdef")
 

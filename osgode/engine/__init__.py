@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from osgode.engine.aids import Aids, TimingsGraph
 from osgode.engine.app import App, AppConfig
 from osgode.engine.camera import Camera
 from osgode.engine.clock import Accumulator, Clock, ClockConfig, HandTime, RealTime, Timer
@@ -33,6 +34,7 @@ __all__ = [
     "BINDINGS",
     "INPUTS",
     "Accumulator",
+    "Aids",
     "App",
     "AppConfig",
     "Camera",
@@ -65,6 +67,7 @@ __all__ = [
     "SceneConfig",
     "ScriptedInput",
     "Timer",
+    "TimingsGraph",
     "Video",
     "VideoConfig",
     "Wheel",

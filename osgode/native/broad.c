@@ -6,53 +6,13 @@
    of it needs its contacts then: so from the awake bodies the pairs of every sleeper that is reached are looked for
    too. The order of the pairs follows from where everything is now, not from how it came there. */
 
-#include <stdint.h>
-
 #include "broad.h"
-
-enum { OUT, QUIET, MOVING, HUGE_BOX }; /* HUGE_BOX: quiet, and not worth a place in the tree, as planes are */
 
 enum { HEARD = OO_LISTENED | OO_ASKED | OO_SENSOR }; /* sleeping or not, somebody wants to know what touches it */
 
 #define HUGE_LENGTH 1e6
 
-typedef struct entry {
-    box box;
-    unsigned int space; /* the slot of the space that it is in */
-    int leaf;           /* in the tree */
-    unsigned char state;
-} entry;
-
-typedef struct members { uint64_t inside, left, right; } members; /* a bit for each declared pair of spaces */
-
-typedef struct mover {
-    double low;
-    unsigned int slot;
-} mover;
-
 enum { NEW, WAITING, DONE }; /* sleepers that are reached */
-
-struct oo_broad {
-    entry *entries; /* by slot */
-    unsigned int entry_capacity;
-    members *spaces; /* by slot */
-    unsigned int space_capacity;
-
-    mover *movers;
-    unsigned int mover_count, mover_capacity, unsorted; /* the last ones are new in the list */
-    int axis;
-
-    box_tree tree;
-    slots huge, heard, hits;
-    box_tree mover_tree; /* for as long as questions are asked */
-
-    unsigned char *reached; /* by body: woken by what is awake, in this step */
-    unsigned int reached_capacity;
-    slots queue;
-    unsigned char *asleep; /* by body, when it was looked at last */
-    unsigned int asleep_capacity, sleepers;
-    int current; /* it saw the last step */
-};
 
 /* ------------------------------------------------------------------ which spaces were told to collide */
 
@@ -84,7 +44,7 @@ static int mark_spaces(oo_world *w) {
     return OO_OK;
 }
 
-static int declared(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
+int broad_declares(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
     const members *m = &b->spaces[b->entries[slot1].space], *n = &b->spaces[b->entries[slot2].space];
     return ((m->inside & n->inside) | (m->left & n->right) | (m->right & n->left)) != 0;
 }
@@ -106,12 +66,6 @@ static int make_room(oo_world *w) {
     if (reserve(&b->reached, &b->reached_capacity, w->body_count, sizeof *b->reached)) return OO_NO_MEMORY;
     if (reserve(&b->asleep, &b->asleep_capacity, w->body_count, sizeof *b->asleep)) return OO_NO_MEMORY;
     return reserve(&b->queue.at, &b->queue.capacity, w->body_count, sizeof *b->queue.at);
-}
-
-static box box_of(dGeomID geom) {
-    dReal aabb[6];
-    dGeomGetAABB(geom, aabb);
-    return (box){{aabb[0], aabb[2], aabb[4]}, {aabb[1], aabb[3], aabb[5]}};
 }
 
 static int is_huge(const box *b) {
@@ -151,7 +105,7 @@ static int update_entry(oo_world *w, unsigned int slot) {
         return OO_OK;
     }
     int moving = is_mover(&w->geoms[slot]), was_moving = e->state == MOVING;
-    box now = box_of(geom);
+    box now = box_around(geom);
     e->state = moving ? MOVING : is_huge(&now) ? HUGE_BOX : QUIET;
     e->space = (unsigned int)(size_t)dGeomGetData((dGeomID)space);
     if (e->leaf != NONE && (e->state != QUIET || memcmp(&now, &e->box, sizeof now))) {
@@ -205,7 +159,8 @@ static int update_awake(oo_world *w, int *huge) {
 }
 
 /* Movers that were there before keep their places in the list, since they are nearly sorted; new ones come behind. */
-static int update(oo_world *w) {
+int broad_update(oo_world *w) {
+    if (make_room(w)) return OO_NO_MEMORY;
     struct oo_broad *b = w->broad;
     int all = w->edited;
     w->edited = 1; /* until this is done */
@@ -275,7 +230,7 @@ static void sort_movers(struct oo_broad *b) {
 
 static void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     unsigned int first = slot1 < slot2 ? slot1 : slot2, second = slot1 < slot2 ? slot2 : slot1;
-    if (declared(w->broad, first, second)) meet_pair(w, first, second);
+    if (broad_declares(w->broad, first, second)) meet_pair(w, first, second);
 }
 
 static void sweep(oo_world *w) {
@@ -398,7 +353,7 @@ static int meet_listened(oo_world *w) {
 }
 
 int find_pairs(oo_world *w) {
-    if (make_room(w) || update(w)) return OO_NO_MEMORY;
+    if (broad_update(w)) return OO_NO_MEMORY;
     sweep(w);
     if (meet_quiet_from_movers(w)) return OO_NO_MEMORY;
     if (w->broad->sleepers && (flood(w) || meet_listened(w))) return OO_NO_MEMORY;
@@ -421,7 +376,7 @@ void wake_sleepers_on(oo_world *w, unsigned int slot) {
     for (unsigned int i = 0; i < b->hits.count; i++) {
         unsigned int other = b->hits.at[i];
         dBodyID body = other != slot && w->geoms[other].flags & OO_ALIVE ? dGeomGetBody(w->geoms[other].id) : NULL;
-        if (!body || dBodyIsEnabled(body) || !declared(b, slot, other)) continue;
+        if (!body || dBodyIsEnabled(body) || !broad_declares(b, slot, other)) continue;
         if (geoms_touch(w, slot, other)) dBodyEnable(body);
     }
 }
@@ -449,97 +404,4 @@ void broad_free(oo_world *w) {
     free(b->asleep);
     free(b->queue.at);
     free(b);
-}
-
-/* ------------------------------------------------------------------ questions between steps */
-
-enum { FEW = 4 }; /* questions for which no tree is worth its while */
-
-int begin_queries(oo_world *w, unsigned int count) {
-    if (make_room(w) || update(w)) return OO_NO_MEMORY;
-    struct oo_broad *b = w->broad;
-    for (unsigned int i = 0; i < b->mover_count && count > FEW; i++) {
-        unsigned int slot = b->movers[i].slot;
-        if (tree_plant(&b->mover_tree, &b->entries[slot].box, slot) == NONE) {
-            end_queries(w);
-            return OO_NO_MEMORY;
-        }
-    }
-    return OO_OK;
-}
-
-void end_queries(oo_world *w) { tree_clear(&w->broad->mover_tree); }
-
-static int meets_ray(const box *b, const void *wanted) {
-    const ray *r = wanted;
-    double near = 0, far = r->length;
-    for (int k = 0; k < 3; k++) {
-        double one = (b->low[k] - r->origin[k]) * r->inverse[k], other = (b->high[k] - r->origin[k]) * r->inverse[k];
-        if (one != one || other != other) { /* 0 * infinity: along a face, inside or not */
-            if (r->origin[k] < b->low[k] || r->origin[k] > b->high[k]) return 0;
-            continue;
-        }
-        near = fmax(near, fmin(one, other));
-        far = fmin(far, fmax(one, other));
-    }
-    return near <= far;
-}
-
-static void visit_all(const struct oo_broad *b, int (*meets)(const box *, const void *), const void *wanted,
-                      void (*visit)(void *, unsigned int), void *data) {
-    for (unsigned int i = 0; i < b->huge.count; i++) visit(data, b->huge.at[i]);
-    tree_visit(&b->tree, meets, wanted, visit, data);
-    tree_visit(&b->mover_tree, meets, wanted, visit, data);
-    if (b->mover_tree.root != NONE) return;
-    for (unsigned int i = 0; i < b->mover_count; i++)
-        if (meets(&b->entries[b->movers[i].slot].box, wanted)) visit(data, b->movers[i].slot);
-}
-
-void along_ray(oo_world *w, ray *r, void (*visit)(void *, unsigned int), void *data) {
-    visit_all(w->broad, meets_ray, r, visit, data);
-}
-
-void in_box_of(oo_world *w, dGeomID geom, void (*visit)(void *, unsigned int), void *data) {
-    box wanted = box_of(geom);
-    visit_all(w->broad, meets_box, &wanted, visit, data);
-}
-
-void in_box(oo_world *w, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data) {
-    box wanted = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-    visit_all(w->broad, meets_box, &wanted, visit, data);
-}
-
-void near_way(oo_world *w, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data) {
-    const struct oo_broad *b = w->broad;
-    box wanted = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-    for (unsigned int i = 0; i < b->huge.count; i++) visit(data, b->huge.at[i]);
-    tree_visit(&b->tree, meets_box, &wanted, visit, data);
-    for (unsigned int i = 0; i < b->mover_count; i++) { /* they stand where they went to */
-        unsigned int slot = b->movers[i].slot;
-        if (w->geoms[slot].flags & OO_IS_RAY) continue;
-        const oo_body *body = &w->bodies[(size_t)dBodyGetData(dGeomGetBody(w->geoms[slot].id))];
-        box way = b->entries[slot].box;
-        for (int k = 0; k < 3; k++) { /* or where they were stopped, which the boxes don't know */
-            double start = -body->way[k], stop = body->moved[k] - body->way[k];
-            way.low[k] += fmin(fmin(start, stop), 0);
-            way.high[k] += fmax(fmax(start, stop), 0);
-        }
-        if (overlap(&way, &wanted)) visit(data, slot);
-    }
-}
-
-static int is_within(const oo_world *w, unsigned int slot, dSpaceID space) {
-    dSpaceID at = dGeomGetSpace(w->geoms[slot].id);
-    while (at && at != space) at = dGeomGetSpace((dGeomID)at);
-    return at != NULL;
-}
-
-int pair_declared(const oo_world *w, unsigned int slot1, unsigned int slot2) {
-    if (w->declared_count <= MOST_DECLARED) return declared(w->broad, slot1, slot2);
-    for (unsigned int i = 0; i < w->declared_count; i++) {
-        dSpaceID space = w->declared[i].space, other = w->declared[i].other ? w->declared[i].other : space;
-        if (is_within(w, slot1, space) && is_within(w, slot2, other)) return 1;
-        if (is_within(w, slot2, space) && is_within(w, slot1, other)) return 1;
-    }
-    return 0;
 }

@@ -67,8 +67,7 @@ static void lie_on_side(const thing *t, const near_triangle *near, const double 
     }
 }
 
-/* The part of a line from a to b that is above a triangle: 0 if none. */
-static int stretch_over(const near_triangle *near, const double *a, const double *b, double *from, double *to) {
+int stretch_over(const near_triangle *near, const double *a, const double *b, double *from, double *to) {
     double way[3], edge[3], out[3], arm[3];
     between(a, b, way);
     *from = 0;
@@ -89,12 +88,11 @@ static int stretch_over(const near_triangle *near, const double *a, const double
     return *from <= *to;
 }
 
-/* The line along which a cylinder or capsule is lowest. */
+/* The line along which a cylinder is lowest. */
 static void lie_along(const thing *t, const near_triangle *near, const double *n, double deepest, meetings *out) {
-    double ends[2][3], from, to, level = t->class == dCapsuleClass ? 0 : n[2], length = sqrt(1 - level * level);
+    double ends[2][3], from, to, length = sqrt(1 - n[2] * n[2]);
     for (int e = 0; e < 2; e++) {
         double local[3] = {-t->radius * n[0] / length, -t->radius * n[1] / length, e ? t->half[2] : -t->half[2]};
-        if (t->class == dCapsuleClass) local[2] -= t->radius * n[2];
         to_world(&t->at, local, ends[e]);
     }
     if (!stretch_over(near, ends[0], ends[1], &from, &to)) return;
@@ -112,10 +110,8 @@ static void lie_along(const thing *t, const near_triangle *near, const double *n
 void lie_on_triangle(const thing *t, const near_triangle *near, double deepest, meetings *out) {
     double n[3];
     turn_back(&t->at, near->n, n);
-    if (t->class != dBoxClass && fabs(n[2]) < ALONG) {
-        lie_along(t, near, n, deepest, out);
-        return;
-    }
-    for (int k = t->class == dBoxClass ? 0 : 2; k < 3; k++)
-        if (fabs(n[k]) > FLAT && t->class != dCapsuleClass) lie_on_side(t, near, n, k, deepest, out);
+    int round = t->class == dCylinderClass;
+    if (round && fabs(n[2]) < ALONG) lie_along(t, near, n, deepest, out);
+    for (int k = round ? 2 : 0; k < 3; k++)
+        if (fabs(n[k]) > FLAT) lie_on_side(t, near, n, k, deepest, out);
 }

@@ -47,9 +47,10 @@ static inline void add_meeting(meetings *all, const double *p, const double *n, 
 /* The point of a triangle that is nearest to c; 1 if it is within, 0 if on an edge. */
 HIDDEN int nearest_on_triangle(const near_triangle *, const double *c, double *q);
 
-/* How boxes and capsules meet each triangle alone, but for capsules without seams. */
+/* The part of a line from a to b that is over or under a triangle, from 0 to 1; 0 if none. */
+HIDDEN int stretch_over(const near_triangle *, const double *a, const double *b, double *from, double *to);
+
 HIDDEN void meet_capsule(const thing *, meetings *);
-HIDDEN void meet_box(const thing *, meetings *);
 /* Where a flat side of a box or cylinder, or the length of a cylinder, lies on a triangle, no deeper than that. */
 HIDDEN void lie_on_triangle(const thing *, const near_triangle *, double deepest, meetings *);
 

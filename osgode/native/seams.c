@@ -270,12 +270,16 @@ int collide_mesh(const oo_geom *a, const oo_geom *b, dContactGeom *rows) {
     frame base = frame_of(mesh->id);
     meetings all = {rows, 0};
     thing t;
-    if (!thing_of(other, mesh, &t) || (hull && t.class == dBoxClass) /* by polytope.c */ ||
-        !gather(&t, mesh->mesh, FORTH * reach_of(&t, 1e-2 * t.size)))
+    if (!thing_of(other, mesh, &t) || (hull && t.class == dBoxClass)) /* by polytope.c */
+        return collide_pair(a, b, MOST_ON_MESH, rows, sizeof *rows);
+    int exact = t.class == dSphereClass || t.class == dCapsuleClass; /* by what is nearest */
+    if (!gather(&t, mesh->mesh, exact ? 0 : FORTH * reach_of(&t, 1e-2 * t.size)))
         return collide_pair(a, b, MOST_ON_MESH, rows, sizeof *rows);
     if (!t.count) return 0;
     if (t.class == dSphereClass) {
         meet_sphere(&t, &all);
+    } else if (t.class == dCapsuleClass) {
+        meet_capsule(&t, &all);
     } else {
         all.count = collide_pair(a, b, MOST_ON_MESH, rows, sizeof *rows);
         if (!all.count) return 0;
