@@ -274,8 +274,8 @@ class CullVisitor(Visitor):
         self.visit_node(node)
 
     def visit_particles(self, node: Particles) -> None:
-        """List the particles, unless they are hidden."""
-        if node.visible:
+        """List the particles, unless they are hidden or have been listed on another way."""
+        if node.visible and not any(cloud.node() is node for cloud in self._cloud_list):
             self._cloud_list.append(Cloud(ref(node), self._before))
         self.visit_node(node)
 

@@ -116,6 +116,9 @@ class Light:
         direction: the middle of its cone, of length 1; None if it shines to all sides.
         outer: the angle from there to where the cone ends, radians.
         inner: the angle up to which it is fully bright, below ``outer``.
+
+    Raises:
+        FieldError: if the reach is not above 0.
     """
 
     position: Vec3
@@ -124,6 +127,10 @@ class Light:
     direction: Vec3 | None = None
     outer: float = math.pi / 2
     inner: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.reach > 0.0:
+            raise FieldError(f"Light.reach is {self.reach!r}; it must be above 0")
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,8 @@ class Particles(Node):
     Particles leave from where transforms and moving bodies have taken the node, steadily by `rate` or at once by
     `burst`, and stay in the axes of the root from then on. Nothing happens until time goes on for them: by `advance`,
     or by a clock that `follow` looks at in each update traversal. The same seed and the same calls give the same
-    particles. All are drawn by one call, after what is transparent, without shadows.
+    particles. A body that is copied has its emitters copied too; below a transform that several nodes share there is
+    one, which follows the first of the ways. All are drawn by one call, after what is transparent, without shadows.
 
         smoke = chimney.attach(Particles(SMOKE, rate=25))
         smoke.follow(lambda: world.time)
@@ -68,6 +69,8 @@ class Particles(Node):
         self.spray = replace(spray, **changes)
         self.rate = rate
         self.capacity = int(capacity)
+        self.seed = seed
+        self._clock: Callable[[], float] | None = None
         self._dice = np.random.default_rng(seed)
         self._rows = np.zeros((0, COLUMNS))
         self._due = 0.0
@@ -107,6 +110,18 @@ class Particles(Node):
         self._spawn(np.zeros(int(count)), matrix, matrix, ZERO)
         return self
 
+    def copy(self) -> Self:
+        """A new emitter of the same spray, rate, capacity and seed, that follows the same clock; without particles."""
+        twin = type(self)(
+            self.spray, rate=self.rate, capacity=self.capacity, seed=self.seed, name=self.name, visible=self.visible
+        )
+        if self._clock is not None:
+            twin.follow(self._clock)
+        return twin
+
+    def _twin(self) -> Node:
+        return self.copy()
+
     def clear(self) -> None:
         """Take all particles away."""
         self._rows = self._rows[:0]
@@ -142,6 +157,7 @@ class Particles(Node):
         `remove_on_update`.
         """
         last = clock()
+        self._clock = clock
 
         def update(node: Node) -> None:
             nonlocal last

@@ -141,8 +141,11 @@ class PhysicsNode(HasFields, Node):
         twin._copy_from(self)
         if isinstance(self, Group) and isinstance(twin, Group):
             for child in self.children:
-                twin.attach(child.copy() if isinstance(child, PhysicsNode) else child)
+                twin.attach(child._twin())
         return twin
+
+    def _twin(self) -> Node:
+        return self.copy()
 
     def _copy_from(self, other: Any) -> None:
         for name, field in other.FIELDS.items():

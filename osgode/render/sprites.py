@@ -54,4 +54,5 @@ class SpriteDrawer:
             array.render(context.TRIANGLE_STRIP, vertices=4, instances=len(each.rows))
             first += len(each.rows)
         target.depth_mask = True
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA  # as all others have it
         return len(shown)

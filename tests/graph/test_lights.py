@@ -134,3 +134,9 @@ def test_wrong_values_are_refused(field: str, wrong: object) -> None:
     assert getattr(lamp, field) == before
     with pytest.raises(FieldError, match=field):
         SpotLight(**{field: wrong})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("reach", [0.0, -1.0, NAN])
+def test_a_light_without_reach_is_refused(reach: float) -> None:
+    with pytest.raises(FieldError, match=r"Light\.reach is"):
+        Light(Vec3(0, 0, 0), (1, 1, 1), reach)

@@ -210,6 +210,36 @@ def test_an_emitter_has_one_parent() -> None:
         other.attach(particles)
 
 
+def test_a_copy_begins_anew() -> None:
+    """The same settings and the same clock, none of the particles."""
+    now = [0.0]
+    first = Particles(SPARKS, rate=30, capacity=77, seed=5, name="fuse", drag=0.9).burst(9)
+    first.follow(lambda: now[0])
+    twin = first.copy()
+    assert (twin.spray, twin.rate, twin.capacity, twin.name) == (first.spray, 30, 77, "fuse")
+    assert (len(first), len(twin)) == (9, 0)
+    other = Particles(SPARKS, seed=5, drag=0.9).burst(9)
+    assert (other.positions == first.positions).all()
+    now[0] = 0.25
+    UpdateVisitor(twin).update()
+    assert len(twin) == 7
+    assert len(first) == 9
+
+
+def test_below_what_is_shared_they_are_drawn_once() -> None:
+    """On the first way that isn't hidden."""
+    root = Group()
+    mount = at(0, 1)
+    for x in (0, 5):
+        root.attach(at(x)).attach(mount)
+    mount.attach(Particles(STILL)).burst(3)
+    assert [len(shown.rows) for shown in seen(root)] == [3]
+    root.children[0].visible = False
+    assert [len(shown.rows) for shown in seen(root)] == [3]
+    root.children[1].visible = False
+    assert seen(root) == []
+
+
 # -- in the picture
 
 

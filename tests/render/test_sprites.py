@@ -75,6 +75,8 @@ def test_nearer_things_hide_them_and_they_hide_nothing_after(drawer):
     assert at(both, 0, 0) == pytest.approx([76, 76, 0], abs=3)
     mark = [many(quad(), Appearance((0, 0, 1, 1), unlit=True, in_front=True), place((0, 0, -9)))]
     assert at(shot(drawer, patch(), front=mark), 0, 0).tolist() == [0, 0, 255]
+    glass = [many(quad(), Appearance((0, 0, 1, 0.5), unlit=True, in_front=True), place((0, 0, -9)))]
+    assert at(shot(drawer, patch(colour=(0, 0, 0, 1)), front=glass), 0, 0) == pytest.approx([0, 0, 128], abs=2)
     again = shot(drawer, opaque=[many(quad(), unlit((0, 1, 0, 1)), place((0, 0, -5)))])
     assert at(again, 0, 0).tolist() == [0, 255, 0]
 
