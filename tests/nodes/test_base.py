@@ -36,7 +36,7 @@ ALLOWED = {
         ("Box", "Sphere", "Capsule", "Cylinder", "Trimesh", "ConvexHull", "Heightfield", "Ray"), SPACES | {"Placeable"}
     ),
     "Plane": SPACES,
-    **dict.fromkeys(VISUAL | {"Leaf"}, GROUPS),
+    **dict.fromkeys(VISUAL | {"Leaf", "LineSet"}, GROUPS),
 }
 """The rules of spec N1, written down a second time."""
 
