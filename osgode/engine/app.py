@@ -56,7 +56,7 @@ class App:
         modules: more modules; they have their turn after the events and before the scene. One that is called as a core
             module takes that one's place.
         timer: where the time comes from.
-        source: where events come from.
+        source: where events come from; with a window, besides those that it has.
 
     Raises:
         FieldError: for what is no Scene, no Module or no AppConfig, and two modules of one name.

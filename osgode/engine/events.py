@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TypeAlias
@@ -76,7 +76,7 @@ class Events(Module):
 
     Args:
         config: its settings.
-        source: where events come from; a `ScriptedInput` if not given. `Video` puts its window in its place.
+        source: where events come from; a `ScriptedInput` if not given. `Video` adds those of its window.
     """
 
     NAME = "events"
@@ -93,6 +93,7 @@ class Events(Module):
         self._press_listeners: dict[str, list[Callable[[], object]]] = {}
         self._listeners: list[Callable[[InputEvent], object]] = []
         self._captured = False
+        self._look = (0.0, 0.0)
         self.focused = True
         """Whether the window has the keyboard."""
         self.mouse_motion = (0.0, 0.0)
@@ -161,9 +162,7 @@ class Events(Module):
     @property
     def look(self) -> tuple[float, float]:
         """What the mouse means for a camera in this frame: radians to the right and down; 0 unless it is held."""
-        if not self._captured:
-            return (0.0, 0.0)
-        dx, dy = self.mouse_motion
+        dx, dy = self._look
         return (dx * self.config.mouse_sensitivity, dy * self.config.mouse_sensitivity)
 
     # -- the pointer
@@ -184,7 +183,10 @@ class Events(Module):
 
     @property
     def captured(self) -> bool:
-        """Whether the pointer is held: hidden, within the window, for looking around."""
+        """Whether the pointer is held: hidden, within the window, for looking around.
+
+        While the window lacks the keyboard the pointer is free, and held again when that is back.
+        """
         return self._captured
 
     @captured.setter
@@ -237,8 +239,9 @@ class Events(Module):
         """Take in what has happened since the last frame, and tell the listeners."""
         self._pressed, self._released = set(), set()
         self.mouse_motion, self.wheel = (0.0, 0.0), 0.0
+        self._look = (0.0, 0.0)
         errors: list[Exception] = []
-        for event in self._source.poll():
+        for event in self._events():
             calls = self._press(event.name) if isinstance(event, Press) else []
             self._take(event)
             calls += [partial(listener, event) for listener in self._listeners]
@@ -250,12 +253,21 @@ class Events(Module):
                     errors.append(error)
         raise_all("several listeners of events failed", errors)
 
+    def _events(self) -> Iterator[InputEvent]:
+        """What the source has; before the keyboard is lost all that is held comes up: nobody will tell when it does."""
+        for event in self._source.poll():
+            if isinstance(event, Focus) and not event.gained:
+                yield from [Release(name) for name in self._held]
+            yield event
+
     def _take(self, event: InputEvent) -> None:
         if isinstance(event, Release):
             self._let_go(event.name)
         elif isinstance(event, MouseMotion):
             self.mouse_motion = (self.mouse_motion[0] + event.dx, self.mouse_motion[1] + event.dy)
-            if not self._captured:
+            if self._captured and self.focused:
+                self._look = (self._look[0] + event.dx, self._look[1] + event.dy)
+            else:
                 self.mouse_position = (event.x, event.y)
         elif isinstance(event, Wheel):
             self.wheel += event.clicks
@@ -275,9 +287,6 @@ class Events(Module):
 
     def _take_focus(self, gained: bool) -> None:
         self.focused = gained
-        if not gained:  # nobody will tell when the keys come up
-            for name in tuple(self._held):
-                self._let_go(name)
         if self._captured:
             self._source.capture(gained)
 
