@@ -157,7 +157,6 @@ class WindowInput:
             width, height = self._window.size
             self._place = mouse.get_pos() if mouse.get_focused() else (width // 2, height // 2)
             mouse.set_relative_mode(True)
-            mouse.set_pos(self._place)  # SDL would take the first motion as telling the place, and no distance
         else:
             mouse.set_pos(self._place)
             mouse.set_relative_mode(False)
