@@ -134,6 +134,18 @@ def test_free_pointer_tells_where_it_is(desktop, game):
     assert desktop.pointer() == tuple(np.add(game.origin, (600, 399)))
 
 
+def test_free_pointer_in_the_units_of_the_overlay(desktop, game):
+    """A corner of the square in the middle, found with the pointer: 360 units down, less half of the square's edge."""
+    desktop.xdotool("windowsize", game.number, 500, 360)
+    game.until("window.size == (500, 360)")
+    corner = (250 - MARK // 4, 180 - MARK // 4)  # 2 units a pixel
+    desktop.xdotool("mousemove", "--window", game.number, *corner)
+    game.until(f"events.mouse_position == {corner}")
+    assert game.ask("scene.hud.from_pixels(events.mouse_position, video.size)") == [500 - MARK / 2, 360 - MARK / 2]
+    until(lambda: mark(game.picture()) == (MARK // 2, MARK // 2), "the square is drawn anew")
+    assert np.argwhere(game.picture()[:, :, 1] == 0).min(axis=0).tolist() == [corner[1], corner[0]]
+
+
 @pytest.mark.parametrize("inside", [False, True])
 def test_held_pointer_is_exact_to_the_pixel(desktop, inside):
     """From the first motion on, slow or fast, farther than the window and the screen are wide.
