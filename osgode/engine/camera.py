@@ -287,6 +287,15 @@ class Camera(Controllable):
             passed.append(hit.geom)
         return self._distance
 
+    @property
+    def aiming_ray(self) -> tuple[Vec3, Vec3]:
+        """Where the ray through the middle of the picture begins, and its direction of length 1.
+
+        In third person it begins beside the carrier's eye: what is between that and the camera is behind the one who
+        aims.
+        """
+        return self._eye, self.forward
+
     def aim(self, reach: float = 1000.0, **filters: Any) -> Hit | None:
         """What is in the middle of the picture: the first geom that the camera looks at, or None.
 

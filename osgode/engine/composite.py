@@ -141,6 +141,16 @@ class CompositeObject(SimpleSpace):
 
     # -- in and out of the simulation
 
+    def entered(self) -> None:
+        """Called when all of it has come into a World: the place to `schedule` what it does there.
+
+        Nothing unless a subclass does something. What it raises undoes the attaching.
+        """
+
+    def _entered(self) -> None:
+        super()._entered()
+        self.entered()
+
     @property
     def in_simulation(self) -> bool:
         """Whether it is in a World."""
@@ -259,8 +269,8 @@ class ControllableObject(CompositeObject):
         """Called when the camera leaves; nobody steers it then."""
         self.controls.stop()
 
-    def _settle(self) -> None:
-        super()._settle()
+    def _entered(self) -> None:
+        super()._entered()
         self.schedule(_control, priority=self.CONTROL_PRIORITY)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TypeAlias
@@ -231,9 +231,10 @@ class Events(Module):
             self.captured = True
 
     def stop(self) -> None:
-        """Let the pointer go."""
+        """Let everything go."""
         if self._captured:
             self.captured = False
+        self._held.clear()
 
     def cycle(self) -> None:
         """Take in what has happened since the last frame, and tell the listeners."""
@@ -241,24 +242,23 @@ class Events(Module):
         self.mouse_motion, self.wheel = (0.0, 0.0), 0.0
         self._look = (0.0, 0.0)
         errors: list[Exception] = []
-        for event in self._events():
-            calls = self._press(event.name) if isinstance(event, Press) else []
-            self._take(event)
-            calls += [partial(listener, event) for listener in self._listeners]
-            for hear in calls:
-                try:
-                    hear()
-                except Exception as error:  # noqa: BLE001 - a release that isn't taken in would leave a key held
-                    error.add_note(f"raised by a listener of Events, which heard {event}")
-                    errors.append(error)
+        for event in self._source.poll():
+            if isinstance(event, Focus) and not event.gained:  # nobody will tell when the keys come up
+                for name in tuple(self._held):
+                    self._happen(Release(name), errors)
+            self._happen(event, errors)
         raise_all("several listeners of events failed", errors)
 
-    def _events(self) -> Iterator[InputEvent]:
-        """What the source has; before the keyboard is lost all that is held comes up: nobody will tell when it does."""
-        for event in self._source.poll():
-            if isinstance(event, Focus) and not event.gained:
-                yield from [Release(name) for name in self._held]
-            yield event
+    def _happen(self, event: InputEvent, errors: list[Exception]) -> None:
+        calls = self._press(event.name) if isinstance(event, Press) else []
+        calls += [partial(listener, event) for listener in self._listeners]
+        self._take(event)
+        for hear in calls:
+            try:
+                hear()
+            except Exception as error:  # noqa: BLE001 - a release that isn't taken in would leave a key held
+                error.add_note(f"raised by a listener of Events, which heard {event}")
+                errors.append(error)
 
     def _take(self, event: InputEvent) -> None:
         if isinstance(event, Release):

@@ -403,10 +403,3 @@ def test_without_a_screen_an_app_says_what_to_do():
     assert "takes a screen" in message
     assert "xvfb-run" in message
     assert last == "closed"
-
-
-@pytest.mark.parametrize("module", ["pygame", "moderngl"])
-def test_without_the_extra_an_app_names_it(module):
-    code = f"import sys; sys.modules[{module!r}] = None\n{WITHOUT}"
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == [f"this needs the package {module!r}: pip install osgode[render]", "closed"]
