@@ -12,7 +12,6 @@ import pygame
 import osgode as oo
 from osgode.engine import App, AppConfig, ClockConfig, EventsConfig, HudBox, HudText, Scene, Video, VideoConfig
 from osgode.graph.appearance import Appearance
-from osgode.maths import Pose
 
 SIZE = (640, 400)
 MARK = 72
@@ -46,6 +45,7 @@ class Game(Scene):
         self.told = told
         self.looked = [0.0, 0.0]
         self.moved = [0.0, 0.0]
+        self.names = {}
 
     def populate_world(self):
         self.static.attach(oo.Plane((0, 1, 0), material="concrete"))
@@ -75,8 +75,9 @@ class Game(Scene):
                 self.answer(json.loads(line))
 
     def answer(self, words):
-        names = {"app": self.app, "scene": self, "clock": self.clock, "events": self.events, "video": self.app.video}
-        names |= {"window": self.app.video.window, "camera": self.camera, "pygame": pygame, "Pose": Pose}
+        names = self.names
+        names |= {"app": self.app, "scene": self, "clock": self.clock, "events": self.events, "video": self.app.video}
+        names |= {"window": self.app.video.window, "camera": self.camera, "pygame": pygame}
         if "do" in words:
             exec(words["do"], names)  # noqa: S102 - the tests are the only ones that write here
             say(answer=None)
