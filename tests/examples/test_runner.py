@@ -38,7 +38,7 @@ class FakeWindow(RecordingDrawer):
 
     def __init__(self, lasts):
         super().__init__()
-        self.lasts, self.closed, self.size = lasts, False, (64, 36)
+        self.lasts, self.closed, self.size, self.focused = lasts, False, (64, 36), True
 
     def pump(self):
         import pygame
