@@ -12,11 +12,7 @@ import pygame
 import osgode as oo
 from osgode.engine import App, AppConfig, ClockConfig, EventsConfig, HudBox, HudText, Scene, Video, VideoConfig
 from osgode.graph.appearance import Appearance
-
-SIZE = (640, 400)
-MARK = 72
-"""Edge of the square in the middle of the overlay, of 720 units."""
-TITLE = "Crates and keys"
+from tests.engine.player import MARK, TITLE
 
 
 def say(**what):
