@@ -1,6 +1,6 @@
 # One word does a thing from a fresh clone; what has been done is not done again.
 
-DEMO := osgode.examples.heap
+DEMO := osgode.examples.game
 VENV := .venv
 PY := $(VENV)/bin/python
 PIP := $(PY) -m pip --disable-pip-version-check --quiet

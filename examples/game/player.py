@@ -195,9 +195,11 @@ class Player(ControllableObject):
 
     def place(self, pose: oo.Pose, *, at_rest: bool = False) -> None:
         """Be somewhere else, and what is in the hand too."""
-        self.arsenal.put_away()
+        holding = self.in_simulation and self.arsenal.in_hand is not None
+        if holding:
+            self.arsenal.put_away()
         super().place(pose, at_rest=at_rest)
-        if self.in_simulation:
+        if holding:
             self.arsenal.take_out()
 
     def leave(self) -> None:

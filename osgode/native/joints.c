@@ -107,6 +107,18 @@ static void place_motor(oo_joint *joint, const double *s, const int *how) {
     }
 }
 
+/* ODE takes one axis after the other, and complains of two that are parallel meanwhile. */
+static void set_universal_axes(dJointID id, const double *axis1, const double *axis2) {
+    dVector3 old, aside;
+    dJointGetUniversalAxis2(id, old);
+    for (int k = 0; k < 3; k++) /* across the old second axis and the new one, or, if these are parallel, across both */
+        aside[k] = old[(k + 1) % 3] * axis2[(k + 2) % 3] - old[(k + 2) % 3] * axis2[(k + 1) % 3];
+    const double *first = dot(aside, aside) > 1e-6 ? aside : axis1;
+    dJointSetUniversalAxis1(id, XYZ(first));
+    dJointSetUniversalAxis2(id, XYZ(axis2));
+    dJointSetUniversalAxis1(id, XYZ(axis1));
+}
+
 int oo_joint_place(oo_joint *joint, const double *s, const int *how, const double at[3]) {
     dJointID id = joint->id;
     memcpy(joint->at, at, sizeof joint->at);
@@ -121,8 +133,7 @@ int oo_joint_place(oo_joint *joint, const double *s, const int *how, const doubl
         case OO_FIXED: dJointSetFixed(id); break;
         case OO_UNIVERSAL:
             dJointSetUniversalAnchor(id, XYZ(s));
-            dJointSetUniversalAxis1(id, XYZ(s + 3));
-            dJointSetUniversalAxis2(id, XYZ(s + 6));
+            set_universal_axes(id, s + 3, s + 6);
             break;
         case OO_HINGE2: {
             dVector3 axis1 = {XYZ(s + 3)}, axis2 = {XYZ(s + 6)};
