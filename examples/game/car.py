@@ -214,10 +214,12 @@ class Car(ControllableObject):
             for body in self.bodies:
                 body.wake()
         on = self.on
+        if not any(on):
+            return
         states = self._states(on)
         rims = [rate * RADIUS for rate in states["rate"][:, 1].tolist()]
         rolling = [rim for rim, is_on in zip(rims, on, strict=True) if is_on]
-        rim = sum(rolling) / len(rolling) if rolling else 0.0
+        rim = sum(rolling) / len(rolling)
         self._steer(rim, on)
         self._drive(rim, on)
         self._hold_the_road(rim, on)
@@ -229,18 +231,17 @@ class Car(ControllableObject):
         self._park(rim)
 
     def _states(self, on: Sequence[bool]) -> np.ndarray[Any, np.dtype[Any]]:
-        """The rows of its wheels among the states of all joints; zeros for wheels that are off."""
+        """The rows of its wheels among the states of all joints; those of wheels that are off say nothing."""
         world = self.hull.world
         if world is None:
             raise oo.StateError(f"{self.describe()}.control() needs it to be in a World")
-        states, joints = world.joint_states, world.joints
-        rows = np.zeros(len(self.wheels), states.dtype)
+        joints = world.joints
         for k, wheel in enumerate(self.wheels):
-            if on[k]:
-                if self._rows[k] >= len(joints) or joints[self._rows[k]] is not wheel.hinge:
-                    self._rows[k] = joints.index(wheel.hinge)
-                rows[k] = states[self._rows[k]]
-        return rows
+            if not on[k]:
+                self._rows[k] = 0
+            elif self._rows[k] >= len(joints) or joints[self._rows[k]] is not wheel.hinge:
+                self._rows[k] = joints.index(wheel.hinge)
+        return world.joint_states[self._rows]
 
     def _steer(self, rim: float, on: Sequence[bool]) -> None:
         """Turn the front wheels towards where they are wanted; each stands across the way to the middle of the bend."""
@@ -333,21 +334,20 @@ class Car(ControllableObject):
         """Let a wheel go, by its number in `WHEELS`; it rolls away as a body of its own beside the car.
 
         Who wants to hear of it registers with `Joint.on_let_go` of ``wheels[k].hinge``.
+
+        Raises:
+            FieldError: for a number that no wheel has.
         """
+        if wheel not in range(len(WHEELS)):
+            raise oo.FieldError(f"{self.describe()}.lose(): wheel is {wheel!r}; it must be 0 to {len(WHEELS) - 1}")
         lost = self.wheels[wheel]
         if lost.hinge.released:
             return
         self._damage[wheel] = max(self._damage[wheel], 1.0)
-        ball = lost.hub.geoms[0]
-        place = ball.parent
-        if place is None:
-            raise oo.StateError(f"{self.describe()}.lose(): {lost.hub.describe()} has no geom")
-        place.detach(ball)
-        place.attach(
-            oo.Cylinder(
-                RADIUS, WIDTH, material="rubber", shown=wheel_drawables(RADIUS, WIDTH), name=f"{lost.hub.name} lost"
-            )
-        )
+        for place in lost.hub.children:
+            lost.hub.detach(place)
+        look = wheel_drawables(RADIUS, WIDTH)
+        lost.hub.attach(oo.Placeable()).attach(oo.Cylinder(RADIUS, WIDTH, material="rubber", shown=look))
         if self.parent is not None:
             lost.hub.move_to(self.parent)
         lost.hinge.release()

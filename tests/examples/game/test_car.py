@@ -292,6 +292,9 @@ def test_a_lost_wheel_rolls_away():
     drive(world, car, 5.0, forward=True)
     car.lose(0)
     car.lose(0)  # there is but one
+    for wrong in (4, -1, "front left"):
+        with pytest.raises(oo.FieldError, match="must be 0 to 3"):
+            car.lose(wrong)
     hub = car.wheels[0].hub
     assert car.on == (False, True, True, True)
     assert car.wheel_damage == (1.0, 0.0, 0.0, 0.0)
@@ -376,6 +379,32 @@ def test_it_goes_out_of_the_world_and_comes_back_as_it_was():
     car.enter()
     assert car.speed == pytest.approx(speed)
     assert drive(world, car, 1.0, forward=True)[-1] > speed
+
+
+def test_whatever_is_pressed_nothing_breaks():
+    """Half a minute on the track with keys at random, set upright now and then, wheels lost, out and in again."""
+    world, car, track = on_track(lambda track: track.before_ramp(30.0))
+    chance = np.random.default_rng(5)
+    parent = car.parent
+    for _ in range(60):
+        pressed = chance.random(5) < (0.6, 0.2, 0.3, 0.3, 0.1)
+        names = ("forward", "backward", "left", "right", "ascend")
+        car.controls.move(**dict(zip(names, map(bool, pressed), strict=True)))
+        if chance.random() < 0.05:
+            car.put_upright()
+        if chance.random() < 0.03:
+            car.lose(int(chance.integers(4)))
+        if chance.random() < 0.05:
+            car.leave()
+            world.run(seconds=0.1)
+            car.enter(parent)
+        world.run(seconds=0.5)
+        assert np.isfinite(world.poses).all()
+        assert np.abs(world.velocities).max() < 200.0
+        assert all(-0.5 < body.position.y < 10.0 for body in world.bodies)
+        assert all(0.0 <= damage <= 1.0 for damage in car.wheel_damage)
+    assert len(world.bodies) == 5
+    assert track.is_live
 
 
 def test_two_runs_give_the_same_bits():
