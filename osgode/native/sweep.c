@@ -24,6 +24,8 @@ typedef struct follower {
     int pressed;            /* it touched something when the step began */
     unsigned int other;     /* the slot of what is tried */
     int met;                /* what came of touching that, or UNKNOWN */
+    int carried_along;      /* it is followed on the way that it is carried by `carrier`; all others are where they end */
+    unsigned int carrier;   /* a slot */
     double touch;           /* the nearest so far */
     unsigned int touched;   /* the slot of what it touches there */
     int (*wanted)(void *, unsigned int slot); /* of a question: what counts, all of it standing still; NULL: of a step */
@@ -272,7 +274,8 @@ static void try_geom(void *data, unsigned int slot) {
         if (!f->wanted(f->asker, slot)) return;
     } else {
         if (!can_stop(f->world, f, geom) || !pair_declared(f->world, f->slot, slot)) return;
-        displacement(f->world, dGeomGetBody(geom->id), shift);
+        if (f->carried_along && slot == f->carrier) return;
+        if (!f->carried_along) displacement(f->world, dGeomGetBody(geom->id), shift);
     }
     for (int k = 0; k < 3; k++) motion[k] = f->motion[k] - shift[k];
     if (!isfinite(dot(motion, motion))) return; /* the step will say so */
@@ -355,6 +358,29 @@ static int has_contacts(dBodyID body) {
     return 0;
 }
 
+static void follow_geoms(follower *f, int as_point) {
+    for (dGeomID geom = dBodyGetFirstGeom(f->body); geom; geom = dBodyGetNextGeom(geom)) {
+        f->slot = (unsigned int)(size_t)dGeomGetData(geom);
+        if (!dGeomIsEnabled(geom) || !dGeomGetSpace(geom) || f->world->geoms[f->slot].flags & (OO_SENSOR | OO_IS_RAY)) continue;
+        follow_geom(f, &f->world->geoms[f->slot], as_point);
+    }
+}
+
+/* What it hits goes on for the rest of the step, and takes it along as far as there is room: not through a wall. */
+static void carry_along(const follower *hit, int as_point, double at[3]) {
+    follower f = {.world = hit->world, .own = hit->own, .body = hit->body, .touch = 2, .thin = hit->thin, .gap = hit->gap,
+                  .pressed = hit->pressed, .middle = hit->middle, .carried_along = 1, .carrier = hit->touched};
+    for (int k = 0; k < 3; k++) {
+        f.motion[k] = hit->carried * hit->normal[k];
+        f.middle.position[k] = at[k];
+        at[k] += f.motion[k];
+    }
+    dBodySetPosition(f.body, at[0], at[1], at[2]);
+    follow_geoms(&f, as_point);
+    if (f.touch > 1) return;
+    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] - f.into * f.normal[k];
+}
+
 static void follow_body(oo_world *w, oo_body *own) {
     follower f = {.world = w, .own = own, .body = own->id, .touch = 2, .thin = own->thin,
                   .gap = fmin(LITTLE * own->thin, AT_MOST), .pressed = has_contacts(own->id)};
@@ -366,17 +392,14 @@ static void follow_body(oo_world *w, oo_body *own) {
         f.middle.rotation[5 * k] = 1;
     }
     int as_point = own->tunnelling == OO_TUNNEL_RAY;
-    for (dGeomID geom = dBodyGetFirstGeom(own->id); geom; geom = dBodyGetNextGeom(geom)) {
-        f.slot = (unsigned int)(size_t)dGeomGetData(geom);
-        if (!dGeomIsEnabled(geom) || !dGeomGetSpace(geom) || w->geoms[f.slot].flags & (OO_SENSOR | OO_IS_RAY)) continue;
-        follow_geom(&f, &w->geoms[f.slot], as_point);
-    }
+    follow_geoms(&f, as_point);
     own->held = f.touch <= 1;
     own->watched = own->held ? WATCHED : own->watched - (own->watched > 0);
     if (!own->held) return;
     /* A little into what it hits; the centre of mass alone stops before it, by most of the body's thickness. */
     double into = as_point ? (ROUNDED - 1) * f.thin : f.into, at[3];
-    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] + (f.carried - into) * f.normal[k];
+    for (int k = 0; k < 3; k++) at[k] = f.middle.position[k] + f.touch * f.motion[k] - into * f.normal[k];
+    if (f.carried != 0) carry_along(&f, as_point, at);
     dBodySetPosition(own->id, at[0], at[1], at[2]);
     for (int k = 0; k < 3; k++) own->moved[k] = at[k] - f.middle.position[k];
 }

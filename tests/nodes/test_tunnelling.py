@@ -111,6 +111,20 @@ def test_a_moving_wall_is_hit_where_both_are_and_takes_the_ball_along(speed, spi
         assert body.position.z > plate.position.z
 
 
+@pytest.mark.parametrize("thick", [0.01, 0.2, 1.0])
+@pytest.mark.parametrize("speed", [10.0, 40.0])
+def test_what_is_hit_from_behind_is_not_carried_through_a_wall(thick, speed):
+    """A ball flies along a wall, touching it; within the step a faster one hits it and pushes it towards the wall."""
+    world, moving, fixed = scene()
+    still(fixed, oo.Box((thick, 50, 50)), (thick / 2, 0, 0))
+    victim = ball(moving, (-0.1, 0, 0), (0, 0, -speed), radius=0.1)
+    hitter = ball(moving, (-0.9, 0, 0), (150, 0, -speed), radius=0.1)
+    for _ in range(3):
+        world.step()
+        assert victim.position.x < 0
+        assert hitter.position.x < 0
+
+
 @pytest.mark.parametrize("damping", [0.0, 0.3, 0.9])
 def test_damping_that_slows_it_down_after_the_step_hides_no_wall(damping):
     world, moving, fixed = scene()
