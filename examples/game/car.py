@@ -17,10 +17,12 @@ import osgode as oo
 from osgode.engine import ControllableObject
 from osgode.examples.game.car_look import hull_drawables, wheel_drawables
 
-CHASSIS = ((1.2, 0.5, 3.96), (0.0, 0.2, 0.0), 1020.0)
+CHASSIS = ((1.2, 0.5, 3.96), (0.0, 0.2, 0.0), 1060.0)
 """Size and middle in the hull's frame, metres, and mass, kg: it is as wide as there is room between the wheels."""
-CABIN = ((1.4, 0.62, 2.5), (0.0, 0.81, 0.55), 140.0)
+CABIN = ((1.4, 0.62, 2.5), (0.0, 0.81, 0.55), 100.0)
 """The same of the box above it."""
+LOW = -0.18
+"""How far the middle of the chassis' mass is above that of its box, metres: engine and floor lie low."""
 HALF_BASE = 1.3
 """From the middle of the car to each axle, metres."""
 HALF_TRACK = 0.76
@@ -72,7 +74,7 @@ SLIP_STEP = 0.05
 
 DAMAGE_FORCE = 38e3
 """What a wheel's joint bears without harm, N: more than a landing from 4 m asks for."""
-TOUGHNESS = {"front": 80.0, "rear": 200.0}
+TOUGHNESS = {"front": 85.0, "rear": 300.0}
 """How much a wheel bears beyond that in all, N s; those that are steered hang on by less."""
 
 WHEELS = ("front left", "front right", "rear left", "rear right")
@@ -137,6 +139,8 @@ class Car(ControllableObject):
         for (size, at, mass), part in ((CHASSIS, "chassis"), (CABIN, "cabin")):
             box = oo.Box(size, mass=mass, material="steel", kind="vehicle", visible=False, name=f"{name} {part}")
             self.hull.attach(oo.Placeable(position=at)).attach(box)
+        chassis, cabin = (oo.Mass.box(size, mass=mass).translated(at) for size, at, mass in (CHASSIS, CABIN))
+        self.hull.fixed_mass = chassis.translated((0.0, LOW, 0.0)) + cabin
         self.hull.attach(oo.Leaf(hull_drawables(colour), name=f"{name} shell"))
         self.wheels = tuple(self._wheel(each) for each in WHEELS)
         self._damage = [0.0] * len(WHEELS)

@@ -197,7 +197,34 @@ def test_sway_bars_keep_it_from_leaning():
     spring = with_car()[1].wheels[0].hinge.suspension_stiffness
     springs, bars = 4 * spring * HALF_TRACK**2, 2 * 4 * SWAY * HALF_TRACK**2
     assert leaning[0] / leaning[1] == pytest.approx(springs / (springs + bars), rel=0.15)
-    assert leaning[1] > math.radians(3.0)
+    assert leaning[1] > math.radians(2.0)
+
+
+@pytest.mark.parametrize("sway_bars", [True, False])
+def test_steered_as_far_as_it_goes_at_full_speed_it_rolls_over_only_without_sway_bars(sway_bars):
+    world, car, _ = with_car(sway_bars=sway_bars)
+    drive(world, car, 7.0, forward=True)
+    uprights = []
+    for _ in range(round(4 / STEP)):
+        drive(world, car, STEP, forward=True, left=True)
+        uprights.append(up(car))
+    if sway_bars:
+        assert min(uprights) > 0.99
+        assert car.speed > 0.95 * TOP_SPEED
+    else:
+        assert car.upset
+
+
+@pytest.mark.parametrize("speed", [8.0, 14.0, 20.0])
+@pytest.mark.parametrize("others", [{}, {"backward": True}, {"ascend": True}, {"forward": True}], ids=str)
+def test_no_way_of_steering_and_braking_on_level_ground_rolls_it_over(speed, others):
+    world, car, _ = with_car()
+    while car.speed < 0.98 * speed:
+        drive(world, car, STEP, forward=True)
+    for k in range(round(3 / STEP)):
+        left = k * STEP % 1.6 < 0.8
+        drive(world, car, STEP, left=left, right=not left, **others)
+        assert up(car) > 0.98
 
 
 def test_it_keeps_to_a_circle_of_20_m_across_at_10_m_s():
