@@ -153,7 +153,6 @@ class Car(ControllableObject):
     def _wheel(self, which: str) -> oo.Wheel:
         quarter = self.hull.mass / 4
         stiffness = quarter * GRAVITY / SAG
-        # A sphere while it is on the car: it rolls over the seams of meshes as if there were none.
         wheel = oo.suspension_wheel(
             self.hull,
             wheel_place(which) - (0.0, SAG, 0.0),
@@ -163,7 +162,6 @@ class Car(ControllableObject):
             stiffness=stiffness,
             damping=DAMPING_RATIO * 2.0 * math.sqrt(stiffness * quarter),
             max_steering=INNER_STEERING if "front" in which else 0.0,
-            shape="sphere",
             kind="vehicle",
             shown=wheel_drawables(RADIUS, WIDTH),
             name=f"{self.name} {which}",
@@ -348,10 +346,6 @@ class Car(ControllableObject):
         if lost.hinge.released:
             return
         self._damage[wheel] = max(self._damage[wheel], 1.0)
-        for place in lost.hub.children:
-            lost.hub.detach(place)
-        look = wheel_drawables(RADIUS, WIDTH)
-        lost.hub.attach(oo.Placeable()).attach(oo.Cylinder(RADIUS, WIDTH, material="rubber", shown=look))
         if self.parent is not None:
             lost.hub.move_to(self.parent)
         lost.hinge.release()

@@ -86,7 +86,7 @@ def test_it_reaches_20_m_s_within_5_percent_and_no_more():
     speeds = drive(world, car, 15.0, forward=True)
     assert speeds[-1] >= 0.95 * 20.0
     assert max(speeds) <= 1.05 * 20.0
-    assert abs(car.hull.position.x) < 1.0  # straight on, over 240 m
+    assert abs(car.hull.position.x) < 0.01 * abs(car.hull.position.z)  # straight on
 
 
 def test_it_is_no_faster_down_a_slope():
@@ -197,7 +197,7 @@ def test_sway_bars_keep_it_from_leaning():
     spring = with_car()[1].wheels[0].hinge.suspension_stiffness
     springs, bars = 4 * spring * HALF_TRACK**2, 2 * 4 * SWAY * HALF_TRACK**2
     assert leaning[0] / leaning[1] == pytest.approx(springs / (springs + bars), rel=0.15)
-    assert leaning[1] > math.radians(2.0)
+    assert leaning[1] > math.radians(1.5)
 
 
 @pytest.mark.parametrize("sway_bars", [True, False])
@@ -205,14 +205,14 @@ def test_steered_as_far_as_it_goes_at_full_speed_it_rolls_over_only_without_sway
     world, car, _ = with_car(sway_bars=sway_bars)
     drive(world, car, 7.0, forward=True)
     uprights = []
-    for _ in range(round(4 / STEP)):
+    for _ in range(round(6 / STEP)):
         drive(world, car, STEP, forward=True, left=True)
         uprights.append(up(car))
     if sway_bars:
         assert min(uprights) > 0.99
         assert car.speed > 0.95 * TOP_SPEED
     else:
-        assert car.upset
+        assert min(uprights) < 0.0
 
 
 @pytest.mark.parametrize("speed", [8.0, 14.0, 20.0])
@@ -306,7 +306,7 @@ def test_it_loses_a_wheel_in_a_crash_at_full_speed():
         assert car.wheel_damage[k] == 1.0
         assert hub.joints == ()
         assert hub.parent is car.parent
-        assert type(hub.geoms[0]) is oo.Cylinder
+        assert [type(geom) for geom in hub.geoms] == [oo.Cylinder]
     assert np.isfinite(world.poses).all()
     for body in world.bodies:
         assert body.position.z > car.hull.position.z - 12.0  # nothing is behind the wall
