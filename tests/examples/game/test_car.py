@@ -9,6 +9,7 @@ import pytest
 
 import osgode as oo
 from osgode.engine import Camera
+from osgode.examples.car import Drive
 from osgode.examples.game.car import (
     BRAKE_TORQUE,
     GRIP,
@@ -27,6 +28,7 @@ from osgode.examples.game.car import (
 )
 from osgode.examples.game.driver import Driver
 from osgode.examples.game.track_mesh import HILL_HEIGHT, RAMP
+from osgode.testing import Play
 from tests.examples.game.roads import STEP, G, on_track, slope, up, with_car
 
 
@@ -442,3 +444,38 @@ def test_two_runs_give_the_same_bits():
         world.run(seconds=6)
         ends.append((world.poses.tobytes(), world.velocities.tobytes(), world.joint_states.tobytes()))
     assert ends[0] == ends[1]
+
+
+# -- the example
+
+
+def test_whoever_presses_a_key_takes_the_wheel_from_the_driver():
+    with Play(Drive()) as play:
+        play.seconds(7)
+        scene = play.scene
+        assert scene.driver.running
+        assert scene.camera.carrier is scene.car
+        play.hold("backward", "right")
+        play.seconds(4)
+        assert not scene.driver.running
+        assert scene.car.speed < 0.0
+        assert scene.car.steering < -0.2
+        play.release("backward", "right")
+        play.tap("u")
+        play.seconds(2)
+        assert up(scene.car) > 0.99
+
+
+def test_whoever_gets_out_flies_and_the_car_stops():
+    with Play(Drive()) as play:
+        play.hold("forward")
+        play.seconds(2)
+        scene = play.scene
+        play.release("forward")
+        scene.camera.dismount()
+        before = scene.camera.position
+        play.hold("backward")
+        play.seconds(3)
+        assert scene.camera.position.distance(before) > 10.0
+        assert not scene.car.controls.moves
+        assert not scene.car.occupied
