@@ -51,7 +51,7 @@ class Desktop:
             number = self._start_screen(opening)
             hidden = ("WAYLAND_DISPLAY", "SDL_VIDEODRIVER", "XAUTHORITY")
             self.environment = {key: value for key, value in os.environ.items() if key not in hidden}
-            self.environment |= {"DISPLAY": f":{number}", "SDL_VIDEODRIVER": "x11"}
+            self.environment |= {"DISPLAY": f":{number}", "SDL_VIDEODRIVER": "x11", "PYGAME_HIDE_SUPPORT_PROMPT": "1"}
             settings = self._folder / "jwmrc"
             settings.write_text(MANAGER)
             self._start(opening, ["jwm", "-f", str(settings)], "jwm.log", env=self.environment)

@@ -7,20 +7,22 @@ from collections.abc import Sequence
 from osgode import Group
 from osgode.engine import HudBox, HudText, HudWindow
 
-CONTROLS = """\
-w a s d or arrows   walk; throttle, brake, steer
-space               hold to charge a jump, let go to jump
-mouse               look around
-left, right button  shoot: the longer you hold, the harder
-1 2 3               gun, rocket launcher, flail
-e                   get into a car, get out
-v                   first or third person
-r                   set the car on its wheels
-p, period           pause, single step
-minus, equals       slower, faster
-f3, f4              what the physics sees, what you look at
-tab                 let the mouse go
-escape              quit"""
+CONTROLS = (
+    ("w a s d or arrows", "walk; throttle, brake, steer"),
+    ("space", "hold to charge a jump, let go to jump"),
+    ("mouse", "look around"),
+    ("left, right button", "shoot: the longer you hold, the harder"),
+    ("1 2 3", "gun, rocket launcher, flail"),
+    ("e", "get into a car, get out"),
+    ("v", "first or third person"),
+    ("r", "set the car on its wheels"),
+    ("p, period", "pause, single step"),
+    ("minus, equals", "slower, faster"),
+    ("f3, f4", "what the physics sees, what you look at"),
+    ("tab, f11", "let the mouse go, full screen"),
+    ("escape", "quit"),
+)
+"""Keys, and what they do."""
 HINTS = """\
 The constructor gun lies on the table in the house: go through the door.
 The rocket launcher waits behind the platform: up the stairs, over the beam
@@ -61,9 +63,10 @@ class GameHud:
         ]
         self.pace = parent.attach(HudText("", "top", y=10.0, size=20, colour=(1.0, 0.9, 0.4, 1.0)))
         parent.attach(HudText("f1 controls   f2 hints", "top left", x=14.0, y=10.0, size=14))
-        self.controls = parent.attach(
-            HudWindow("Controls", CONTROLS, width=520.0, height=300.0, visible=False, name="controls")
-        )
+        self.controls = parent.attach(HudWindow("Controls", width=560.0, height=304.0, visible=False, name="controls"))
+        for column, x in enumerate((0.0, 190.0)):
+            words = "\n".join(line[column] for line in CONTROLS)
+            self.controls.attach(HudText(words, x=x, size=16, shadow=False))
         self.hints = parent.attach(HudWindow("Hints", HINTS, width=640.0, height=170.0, visible=False, name="hints"))
 
     def show(

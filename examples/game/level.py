@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import osgode as oo
 from osgode.engine import CompositeObject
@@ -185,26 +186,39 @@ class HangingBridge(CompositeObject):
             self.planks.append(body)
 
 
-def furnish(dynamic: oo.Space, static: oo.Space) -> dict[str, CompositeObject]:
-    """Put up the level and what moves in it by itself; returns everything by name.
+@dataclass
+class Level:
+    """What there is, by name."""
+
+    house: House
+    course: Course
+    door: SwingDoor
+    pendulums: list[Pendulum]
+    platform: Platform
+    button: Button
+    bridge: HangingBridge
+
+
+def furnish(dynamic: oo.Space, static: oo.Space) -> Level:
+    """Put up the level and what moves in it by itself.
 
     Args:
         dynamic: the space of what moves.
         static: the space of what stands still.
     """
-    house, course = House(), Course()
-    static.attach(house)
-    static.attach(course)
-    made: dict[str, CompositeObject] = {"house": house, "course": course}
-    made["door"] = SwingDoor(house.hinges)
-    for number, hinge in enumerate(course.hinges):
-        made[f"pendulum {number + 1}"] = Pendulum(hinge, phase=0.3 * number, name=f"pendulum {number + 1}")
-    platform = Platform(*course.platform)
-    made["platform"], made["button"] = platform, Button(course.button, platform.toggle)
-    bridge = HangingBridge(*course.bridge)
-    made["bridge"] = bridge
-    for name, thing in made.items():
-        if name not in ("house", "course"):
-            dynamic.attach(thing)
+    house, course = static.attach(House()), static.attach(Course())
+    platform = dynamic.attach(Platform(*course.platform))
+    bridge = dynamic.attach(HangingBridge(*course.bridge))
     bridge.build()
-    return made
+    return Level(
+        house,
+        course,
+        dynamic.attach(SwingDoor(house.hinges)),
+        [
+            dynamic.attach(Pendulum(hinge, phase=0.3 * number, name=f"pendulum {number + 1}"))
+            for number, hinge in enumerate(course.hinges)
+        ],
+        platform,
+        dynamic.attach(Button(course.button, platform.toggle)),
+        bridge,
+    )

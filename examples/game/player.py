@@ -23,8 +23,8 @@ STEP_HEIGHT = 0.35
 """How high a step may be that is climbed, metres."""
 ROUND = 0.15
 """How much of that the torso's round end slides over; for the rest there is room under it, metres."""
-EYES = 0.64
-"""How far above the torso's middle the eyes are, metres."""
+EYES, FACE = 0.64, 0.16
+"""How far above the middle of the torso the eyes are, and how far before it: nobody sees his own head, metres."""
 MASS, ARM_MASS = 72.0, 4.0
 """Of the torso, and of each arm, kg."""
 MAX_SLOPE = math.radians(42.0)
@@ -47,9 +47,13 @@ HARD_LANDING = 4.0
 """The speed of landing from which it takes away the player's pace, m/s."""
 DAZED, RECOVERY = 0.25, 0.8
 """What is left of the pace after a very hard landing, and the seconds until it is all back."""
+TWIST = 2500.0
+"""The torque with which it does so, N m: a recoil of hundreds of N s must not turn it away."""
 TURNING = 12.0
 """How fast the torso follows the eyes: rad/s for each radian that is missing."""
-SHOULDER = oo.Vec3(0.3, 0.44, 0.0)
+LOWERED = -1.0
+"""How far below the eyes' pitch arms are held that hold nothing, radians."""
+SHOULDER = oo.Vec3(0.3, 0.42, 0.0)
 """Where the right arm hangs, from the torso's middle, metres."""
 ARM = 0.62
 """Length of an arm, metres."""
@@ -68,8 +72,6 @@ class Player(ControllableObject):
         jump_height: of the highest jump, metres.
         name: for messages and paths.
     """
-
-    EYE = oo.Pose(oo.Vec3(0.0, EYES, -0.16))  # before the face: nobody sees his own head from within
 
     def __init__(
         self,
@@ -111,7 +113,7 @@ class Player(ControllableObject):
             stop_erp2=0.8,
             name=f"{name} balance",
         )
-        self.balance.motor(0.0, 400.0, axis=3)
+        self.balance.motor(0.0, TWIST, axis=3)
         self.arms: list[oo.Body] = []
         """The right and the left one."""
         self.shoulders: list[oo.Hinge] = []
@@ -152,6 +154,12 @@ class Player(ControllableObject):
         self.arms.append(arm)
         self.shoulders.append(shoulder)
 
+    def eye_pose(self, interpolation: float = 1.0) -> oo.Pose:
+        """Before the face, whichever way that is turned just now; a rider looks where he wants to."""
+        middle, rotation = self.torso.interpolated_pose(interpolation)
+        ahead = oo.Quat.from_yaw_pitch_roll(self.controls.yaw).rotate((0.0, 0.0, -FACE))
+        return oo.Pose(middle + oo.Vec3(0.0, EYES, 0.0) + ahead, rotation)
+
     # -- what is seen of it
 
     @property
@@ -184,6 +192,13 @@ class Player(ControllableObject):
     def pick_up(self, weapon: Weapon) -> bool:
         """Take a weapon that it came near to; tells whether it did."""
         return self.arsenal.pick_up(weapon)
+
+    def place(self, pose: oo.Pose, *, at_rest: bool = False) -> None:
+        """Be somewhere else, and what is in the hand too."""
+        self.arsenal.put_away()
+        super().place(pose, at_rest=at_rest)
+        if self.in_simulation:
+            self.arsenal.take_out()
 
     def leave(self) -> None:
         """Leave the tree with its weapons put away."""
@@ -237,10 +252,12 @@ class Player(ControllableObject):
         ahead = self.torso.vector_to_world((0.0, 0.0, -1.0))
         yaw = math.atan2(-ahead.x, -ahead.z)
         missing = math.remainder(self.controls.yaw - yaw, math.tau)
-        self.balance.motor(TURNING * missing, 400.0, axis=3)
-        for shoulder in self.shoulders:
+        self.balance.motor(TURNING * missing, TWIST, axis=3)
+        pitch = self.controls.pitch
+        right = pitch if self.arsenal.in_hand is not None else pitch + LOWERED
+        for shoulder, target in zip(self.shoulders, (right, pitch + LOWERED), strict=True):
             if shoulder.servo is not None:
-                shoulder.servo.target = self.controls.pitch
+                shoulder.servo.target = target
 
     def _find_ground(self, world: oo.World) -> tuple[oo.Hit | None, oo.Vec3]:
         """What bears the player, and which way it faces; nothing while a jump goes up, and nothing too steep."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from osgode.examples.game.driver import Driver, Patrol
 from osgode.examples.game.flail import Flail
 from osgode.examples.game.gun import ConstructorGun
 from osgode.examples.game.hud import GameHud
-from osgode.examples.game.level import Course, House, furnish
+from osgode.examples.game.level import furnish
 from osgode.examples.game.player import Player
 from osgode.examples.game.rocket import RocketLauncher
 from osgode.examples.game.track import Track
@@ -37,12 +38,14 @@ START = oo.Vec3(0.0, 0.0, 3.0)
 """Where the player begins."""
 TRACK = oo.Vec3(34.0, 0.0, 6.0)
 """The start line of the track."""
-STACKS = ((-1.5, -13.0), (2.0, -17.0), (-3.5, -19.0))
+STACKS = ((-1.5, -13.0), (0.8, -17.0), (-2.2, -19.5))
 """x and z of the stacks of crates."""
 CRATE, CRATE_MASS = 0.6, 12.0
 """Edge, metres, and mass, kg."""
-PATROL = ((-4.0, 0.0, -3.0), (-4.0, 0.0, -22.0), (2.0, 0.0, -22.0), (2.0, 0.0, -3.0))
+PATROL = ((-4.6, 0.0, -3.0), (-4.6, 0.0, -23.0), (2.9, 0.0, -23.0), (2.9, 0.0, -3.0))
 """Where the walker goes."""
+ASIDE = 0.55
+"""How far to the right the camera looks over the shoulder, metres."""
 REACH = 4.0
 """How near a car must be to get into, metres."""
 DEEPEST, FARTHEST = -20.0, 1500.0
@@ -82,6 +85,7 @@ class Game(Scene):
         self.walker = self.dynamic.attach(Player(PATROL[0], math.pi, name="walker"))
         Patrol(self.walker, PATROL, wait=1.0).begin()
         self.player = self.dynamic.attach(Player(START))
+        self.camera.aside = ASIDE
         self.camera.ride(self.player)
         self.world.schedule(lambda _: self.catch_the_lost(), seconds=1.0)
 
@@ -99,9 +103,7 @@ class Game(Scene):
 
     def _lay_out_weapons(self) -> None:
         """Where the hints say."""
-        house, course = self.parts["house"], self.parts["course"]
-        assert isinstance(house, House)
-        assert isinstance(course, Course)
+        house, course = self.parts.house, self.parts.course
         self.weapons = (
             ConstructorGun(house.table + oo.Vec3(0.0, 0.12, 0.0)),
             RocketLauncher(course.lookout + oo.Vec3(0.0, 0.2, 0.0)),
@@ -121,9 +123,9 @@ class Game(Scene):
         super().bind_actions()
         events, arsenal = self.events, self.player.arsenal
         for slot in (1, 2, 3):
-            events.on_press(f"weapon_{slot}")(lambda slot=slot: arsenal.switch(slot))
+            events.on_press(f"weapon_{slot}")(partial(arsenal.switch, slot))
         for button in ("left", "right"):
-            events.on_press(f"fire_{button}")(lambda button=button: self._press(button))
+            events.on_press(f"fire_{button}")(partial(self._press, button))
         events.on_press("upright")(self._put_upright)
 
         @events.on_press("controls_window")

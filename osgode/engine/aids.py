@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from osgode.engine.debug import DebugOverlay
@@ -20,7 +20,9 @@ REACH = 200.0
 """How far the inspector looks, metres."""
 MARGIN, LINE = 12.0, 17.0
 """Of the inspector's box, and of a line of its text, in units of the overlay."""
-TEXT_SIZE = 14
+TEXT_SIZE, COLUMNS = 14, 60
+REFRESH = 0.2
+"""Seconds from one reading of the inspector to the next: nobody reads faster, and text costs time."""
 GRAPH = (440.0, 150.0)
 
 
@@ -52,6 +54,7 @@ class Aids:
         self._scene = scene
         self._debug: DebugOverlay | None = None
         self._panel: Projection | None = None
+        self._next = 0.0
         self.step = StepTimings()
         """What the steps of the present frame took; added up by the scene while `inspecting`."""
 
@@ -104,16 +107,23 @@ class Aids:
         """What is under the crosshair."""
         return self._scene.camera.aim(REACH)
 
+    def note(self, timings: Mapping[str, float]) -> None:
+        """Add a frame to the graph: what `App.timings` says of it, once it is drawn."""
+        if self.inspecting:
+            self._graph.timings.add(timings, self.step)
+
     def update(self) -> None:
         """Say what there is to say in this frame."""
         if not self.inspecting:
             return
         app = self._scene.app
-        self._graph.timings.add(app.timings, self.step)
+        if app.clock.elapsed < self._next:
+            return
+        self._next = app.clock.elapsed + REFRESH
         hit = self.aimed_at()
         lost = f"\n{self._scene.lost:.1f} s left out, for the machine was too slow" if self._scene.lost else ""
         clock = app.clock
         pace = "paused" if clock.paused else f"at {clock.speed:g} times real time"
-        about = inspect(hit) if hit is not None else "nothing in sight"
+        about = inspect(hit, width=COLUMNS) if hit is not None else "nothing in sight"
         self._text.text = f"{clock.frame_rate:.0f} frames a second, {pace}{lost}\n\n{about}"
         self._box.resize(430.0, 2 * MARGIN + LINE * (self._text.text.count("\n") + 1))

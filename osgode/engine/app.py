@@ -203,6 +203,7 @@ class App:
                 module.cycle()
             timings[module.NAME] = time.perf_counter() - before
         self.timings = {**timings, **self.scene.timings, **self.video.timings}
+        self.scene.aids.note(self.timings)
 
     def quit(self) -> None:
         """Let `run` end after this frame."""

@@ -22,6 +22,7 @@ Matching = Literal["absolute", "delta"]
 
 FIELD_OF_VIEW = number(0.01, 3.1)
 DISTANCE = number(0.0, 1e4)
+ASIDE = number(-1e4, 1e4)
 SPEED = number(0.0, 1e4)
 CLIP = number(1e-4, 1e7)
 
@@ -42,6 +43,7 @@ class Camera(Controllable):
         field_of_view: vertical, radians.
         near, far: distances of the clipping planes, metres.
         distance: in metres how far behind the carrier's eye it stands: 0 first person, more: third person.
+        aside: how far to the right of it then, metres.
         world: that it aims in; a `Scene` sets it.
         obstacles: what mustn't come between it and the carrier's eye in third person; a `Scene` gives its static space.
 
@@ -61,6 +63,7 @@ class Camera(Controllable):
         near: float = 0.1,
         far: float = 1000.0,
         distance: float = 0.0,
+        aside: float = 0.0,
         world: World | None = None,
         obstacles: Space | None = None,
     ) -> None:
@@ -70,6 +73,7 @@ class Camera(Controllable):
         self.field_of_view = field_of_view
         self.set_clipping(near, far)
         self.distance = distance
+        self.aside = aside
         self.world = world
         self.obstacles = obstacles
         self._carrier: ControllableObject | None = None
@@ -107,6 +111,15 @@ class Camera(Controllable):
     @field_of_view.setter
     def field_of_view(self, value: float) -> None:
         self._field_of_view = FIELD_OF_VIEW("Camera", "field_of_view", value)
+
+    @property
+    def aside(self) -> float:
+        """Metres to the right of the carrier's eye in third person, so that its head hides nothing."""
+        return self._aside
+
+    @aside.setter
+    def aside(self, value: float) -> None:
+        self._aside = ASIDE("Camera", "aside", value)
 
     @property
     def distance(self) -> float:
@@ -270,22 +283,23 @@ class Camera(Controllable):
             return
         eye = carrier.eye_pose(interpolation)
         rotation = self.rotation if self._matching == "absolute" else eye.rotation
-        back = rotation.rotate((0.0, 0.0, 1.0))
-        self._behind = self._room_behind(eye.position, back) if self._distance > 0.0 else 0.0
-        self._pose = Pose(eye.position + back * self._behind, rotation)
+        way = rotation.rotate((self._aside, 0.0, self._distance))
+        share = self._room_for(eye.position, way) if self._distance > 0.0 else 0.0
+        self._behind = self._distance * share
+        self._pose = Pose(eye.position + way * share, rotation)
         self._position = self._pose.position
 
-    def _room_behind(self, eye: Vec3, back: Vec3) -> float:
-        """How far it may go back: a small sphere is swept from the eye, so that no wall cuts the near plane."""
+    def _room_for(self, eye: Vec3, way: Vec3) -> float:
+        """What part of its way back it may go: a small sphere is swept, so that no wall cuts the near plane."""
         space, passed = self.obstacles, list[Geom]()
         while space is not None and space.is_live:
-            hit = space.sweep(self._probe, eye, back * self._distance, exclude=passed)
+            hit = space.sweep(self._probe, eye, way, exclude=passed)
             if hit is None:
                 break
             if not hit.geom.sensor:
-                return self._distance * hit.fraction
+                return hit.fraction
             passed.append(hit.geom)
-        return self._distance
+        return 1.0
 
     @property
     def aiming_ray(self) -> tuple[Vec3, Vec3]:

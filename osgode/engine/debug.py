@@ -109,6 +109,7 @@ class DebugOverlay(LineSet):
         """What is shown: one Lines that things hide, one that they don't."""
         world = self._world()
         if world is None:
+            self._joint_lines = JointLines()  # which knows joints, and they their bodies
             return ()
         if world._revision != self._revision:
             self._rebuild(world)

@@ -155,9 +155,10 @@ class WindowInput:
         mouse = self._pygame.mouse
         if wanted:
             width, height = self._window.size
-            self._place = mouse.get_pos() if mouse.get_focused() else (width // 2, height // 2)
+            middle = (width // 2, height // 2)
+            self._place = mouse.get_pos() if mouse.get_focused() else middle
             mouse.set_relative_mode(True)
-            mouse.set_pos(self._place)  # SDL would take the first motion as telling the place, and no distance
+            mouse.set_pos(middle)  # else SDL may take the first motion for one to a first place, and no distance
         else:
             mouse.set_pos(self._place)
             mouse.set_relative_mode(False)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable
+from textwrap import wrap
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
 from osgode.errors import FieldError, shown
+from osgode.fields import whole
 from osgode.graph.node import Node
 from osgode.joints.base import Joint
 from osgode.joints.spots import Coordinate
@@ -43,7 +45,7 @@ class ShowsNode(Protocol):
 Inspected: TypeAlias = Node | Joint | Hit | Sweep | ShowsNode
 
 
-def inspect(what: Inspected) -> str:
+def inspect(what: Inspected, *, width: int | None = None) -> str:
     """What there is to know of a node now, one thing a line: for a text in the overlay, a log, a prompt.
 
     Where it stands, what it is, pose, velocities, mass, whether it sleeps, what it is made of, what it touches and how
@@ -51,20 +53,29 @@ def inspect(what: Inspected) -> str:
 
     Args:
         what: a node, a joint, the hit of a ray or sweep (also a `Ray`'s), or what was picked in a picture.
+        width: letters in a line: longer lines are broken, and go on indented; None for as long as they are.
 
     Raises:
-        FieldError: for anything else.
+        FieldError: for anything else, and a width below 20.
     """
+    lines = _lines(what)
+    if width is not None:
+        columns = whole(20, 10_000)("inspect()", "width", width)
+        lines = [part for line in lines for part in _broken(line, columns)]
+    return "\n".join(lines)
+
+
+def _lines(what: Inspected) -> list[str]:
     if isinstance(what, Hit | Sweep):
         where = f"at {_vector(what.point if isinstance(what, Hit) else what.position)} m"
         away = f", {what.distance:.3g} m away" if isinstance(what, Hit) else f", after {what.fraction:.1%} of the way"
-        return "\n".join([*_node(what.geom), where + away])
+        return [*_node(what.geom), where + away]
     if isinstance(what, Joint):
-        return _joint(what, None)
+        return [_joint(what, None)]
     node = what.node if isinstance(what, ShowsNode) else what
     if not isinstance(node, Node):
         raise FieldError(f"inspect().what is {shown(what)}; it must be a node, a joint, or a hit")
-    return "\n".join(_node(node))
+    return _node(node)
 
 
 def yaw_pitch_roll(rotation: Quat) -> tuple[float, float, float]:
@@ -223,7 +234,10 @@ def _joint(joint: Joint, seen_from: Body | None) -> str:
     words = [f"{joint.describe()} {'with' if seen_from is not None else 'of'} {names}"]
     if not joint.is_live:
         return words[0] + (", broken" if joint.broken else ", released" if joint.released else ", not live")
-    words += [f"{name} {_coordinate(getattr(joint, name), unit)}" for name, unit in _coordinates(type(joint))]
+    values = [(f"{name} {_coordinate(getattr(joint, name), unit)}", unit) for name, unit in _coordinates(type(joint))]
+    for k, (value, unit) in enumerate(values):
+        same_follows = k + 1 < len(values) and values[k + 1][1] == unit
+        words.append(value if same_follows else f"{value} {'deg' if unit == 'rad' else unit}")
     if not joint.enabled:
         words.append("disabled")
     if joint.error > 1e-9:
@@ -243,10 +257,15 @@ def _coordinates(kind: type[Joint]) -> Iterable[tuple[str, str]]:
 
 
 def _coordinate(value: float, unit: str) -> str:
-    return f"{math.degrees(value):.1f} deg" if unit == "rad" else f"{value:.3f} {unit}"
+    return f"{math.degrees(value):.1f}" if unit == "rad" else f"{value:.3f}"
 
 
 # -- words
+
+
+def _broken(line: str, columns: int) -> list[str]:
+    indent = " " * (len(line) - len(line.lstrip()))
+    return wrap(line, columns, subsequent_indent=indent + "    ", break_on_hyphens=False)
 
 
 def _cut(lines: list[str], count: int, word: str) -> list[str]:

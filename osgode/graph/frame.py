@@ -167,9 +167,9 @@ class Sprites:
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Straight lines, of one width in pixels however far they are: one draw call. They have neither light nor shadow.
+    """Straight lines, of one width in pixels however far they are: one draw call.
 
-    A later line is drawn over an earlier one.
+    They have neither light nor shadow nor haze. A later line is drawn over an earlier one.
 
     Args:
         points: (n, 2, 3), the ends of each, metres.

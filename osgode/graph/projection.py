@@ -64,10 +64,22 @@ class Projection(Group):
         """What is drawn over a picture of ``size`` pixels, in order, in pixels."""
         if min(size) < 1:  # a minimised window
             return []
-        scale = 1.0 if self._height is None else size[1] / self._height
+        scale = self._scale(size)
         visitor = _OverlayVisitor(Area(0.0, 0.0, size[0] / scale, size[1] / scale))
         visitor.traverse(self)
         return visitor.items if scale == 1.0 else [_scaled(item, scale) for item in visitor.items]
+
+    def from_pixels(self, place: tuple[float, float], size: tuple[int, int]) -> tuple[float, float]:
+        """Where in its own units a pixel of a picture of ``size`` lies: what the mouse pointer is at.
+
+        ``scene.hud.from_pixels(events.mouse_position, video.size)`` is (0, 0) at the top left.
+        """
+        scale = self._scale(size)
+        return place[0] / scale, place[1] / scale
+
+    def _scale(self, size: tuple[int, int]) -> float:
+        """Pixels of a unit."""
+        return 1.0 if self._height is None else max(size[1], 1) / self._height
 
 
 class OverlayNode(Group):

@@ -230,7 +230,6 @@ class GLRenderer:
         target.depth_mask = False
         draws = self._lines.draw(several, size, frame.view)
         target.depth_mask = True
-        context.enable_only(context.BLEND | context.DEPTH_TEST)
         return draws
 
     def _set_appearance(self, appearance: Appearance, shadowed: bool, *, cutout: bool) -> moderngl.Program:

@@ -8,9 +8,13 @@ import threading
 from pathlib import Path
 
 from tests.desktop import PATIENCE, stop, until
-from tests.engine.window_game import SIZE
 
 ROOT = Path(__file__).parents[2]
+SIZE = (640, 400)
+"""Of the game's window, pixels."""
+MARK = 72
+"""Edge of the square in the middle of its overlay, of 720 units."""
+TITLE = "Crates and keys"
 
 
 class Player:

@@ -4,6 +4,7 @@ import gc
 import itertools
 import math
 import sys
+import weakref
 
 import numpy as np
 import pytest
@@ -361,13 +362,17 @@ def test_an_empty_world_shows_nothing():
 def test_it_does_not_keep_the_world():
     """And shows nothing once that is gone."""
     world, space = new_world()
-    add(space, oo.Box())
+    body = add(space, oo.Box())
+    oo.Ball(body)
+    kept = weakref.ref(body)
     overlay = overlay_of(world, *PARTS)
     assert len(overlay.lines(1.0)) == 2
-    del world, space
+    del world, space, body
     gc.collect()
-    assert list(overlay.lines(1.0)) == []
     assert oo.live_natives().worlds == 0
+    assert list(overlay.lines(1.0)) == []
+    gc.collect()
+    assert kept() is None
 
 
 @pytest.mark.parametrize("given", [None, 5, oo.Group()])

@@ -232,6 +232,33 @@ def test_what_was_picked_is_what_it_shows():
     assert inspect(Picked(world)) == inspect(world)
 
 
+def test_units_are_told_once_for_several_of_a_kind():
+    _root, _world, space = new_world()
+    body = space.attach(oo.Body())
+    joint = oo.Universal(body, axis1=(1, 0, 0), axis2=(0, 1, 0))
+    assert inspect(joint) == "Universal of Body and the static world, angle1 0.0, angle2 0.0 deg"
+
+
+@pytest.mark.parametrize("width", [20, 30, 60])
+def test_long_lines_are_broken(width):
+    """None is longer; what goes on is indented deeper than where it began; not a word is lost."""
+    _root, world, space = new_world()
+    body = space.attach(oo.Body(name="a body with a long name"))
+    other = space.attach(oo.Body(name="another body with a long name", position=(3, 0, 0)))
+    oo.Universal(body, other, name="joint", axis1=(1, 0, 0), axis2=(0, 1, 0))
+    world.step(3)
+    plain, broken = inspect(body), inspect(body, width=width)
+    assert max(map(len, broken.split("\n"))) <= width
+    assert "".join(broken.split()) == "".join(plain.split())
+    assert "\n      " in broken
+
+
+@pytest.mark.parametrize("width", [0, 19, 2.5, "wide"])
+def test_widths_of_lines_that_cannot_be(width):
+    with pytest.raises(FieldError, match="width"):
+        inspect(oo.Group(), width=width)
+
+
 @pytest.mark.parametrize("what", [None, 5, "crate"])
 def test_only_nodes_joints_and_hits_can_be_inspected(what):
     with pytest.raises(FieldError, match="must be a node, a joint, or a hit"):

@@ -12,12 +12,7 @@ import pygame
 import osgode as oo
 from osgode.engine import App, AppConfig, ClockConfig, EventsConfig, HudBox, HudText, Scene, Video, VideoConfig
 from osgode.graph.appearance import Appearance
-from osgode.maths import Pose
-
-SIZE = (640, 400)
-MARK = 72
-"""Edge of the square in the middle of the overlay, of 720 units."""
-TITLE = "Crates and keys"
+from tests.engine.player import MARK, TITLE
 
 
 def say(**what):
@@ -46,6 +41,7 @@ class Game(Scene):
         self.told = told
         self.looked = [0.0, 0.0]
         self.moved = [0.0, 0.0]
+        self.names = {}
 
     def populate_world(self):
         self.static.attach(oo.Plane((0, 1, 0), material="concrete"))
@@ -75,8 +71,9 @@ class Game(Scene):
                 self.answer(json.loads(line))
 
     def answer(self, words):
-        names = {"app": self.app, "scene": self, "clock": self.clock, "events": self.events, "video": self.app.video}
-        names |= {"window": self.app.video.window, "camera": self.camera, "pygame": pygame, "Pose": Pose}
+        names = self.names
+        names |= {"app": self.app, "scene": self, "clock": self.clock, "events": self.events, "video": self.app.video}
+        names |= {"window": self.app.video.window, "camera": self.camera, "pygame": pygame}
         if "do" in words:
             exec(words["do"], names)  # noqa: S102 - the tests are the only ones that write here
             say(answer=None)

@@ -165,6 +165,13 @@ class Counting(CullVisitor):
         super()._flatten()
 
 
+def test_a_pixel_in_the_overlays_units():
+    """Twice as many pixels as units, pixels themselves, and a minimised window, in which nothing is pointed at."""
+    assert Projection(720.0).from_pixels((300, 1440), (2560, 1440)) == (150, 720)
+    assert Projection(None).from_pixels((300, 1440), (2560, 1440)) == (300, 1440)
+    assert Projection(720.0).from_pixels((0, 0), (1, 0)) == (0, 0)
+
+
 def test_projections_go_into_the_frame():
     """Wherever they stand, in the order of the tree, before what the caller lays over all."""
     root = Group()

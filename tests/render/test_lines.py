@@ -8,10 +8,10 @@ import pytest
 from osgode.errors import FieldError
 from osgode.graph.frame import Frame, Lines, Sky, Sun, View
 from osgode.maths import Pose, Quat, Vec3
-from tests.render.scenes import GREEN, SIZE, many, place, quad, unlit
+from tests.render.scenes import BLUE, GREEN, SIZE, many, place, quad, unlit
 
 NIGHT = {"sky": Sky((0, 0, 0), (0, 0, 0), None), "sun": Sun(colour=(0, 0, 0))}
-RED = np.array([255, 0, 0, 255], np.uint8)
+RED, RED_TOO = np.array([255, 0, 0, 255], np.uint8), (1.0, 0.0, 0.0, 1.0)
 HALF_HEIGHT = math.tan(0.5)
 """Of the default View at distance 1: its field of view is 1 radian."""
 
@@ -117,11 +117,12 @@ def test_each_lines_is_one_draw_and_none_is_free(drawer):
 
 
 def test_what_comes_after_is_unharmed(drawer):
-    """Depth is written again, and the next frame is as it was."""
+    """Depth is cleared and written for what is in front, and the next frame is as it was."""
     wall = many(quad(), unlit(GREEN), place((0, 0, -3)))
-    marks = many(quad(width=0.3, height=0.3), unlit((0, 0, 1, 1)), place((0, 0, -5)))
+    near, far = (many(quad(width=0.3, height=0.3), unlit(c), place((0, 0, z))) for c, z in ((BLUE, -5), (RED_TOO, -6)))
     plain = shot(drawer, opaque=[wall])
-    with_lines = shot(drawer, level(-2.0), level(-2.0, in_front=True), opaque=[wall], front=[marks])
+    with_lines = shot(drawer, level(-2.0), level(-2.0, in_front=True), opaque=[wall], front=[near, far])
+    assert with_lines[48, 80].tolist() == [0, 0, 255]
     assert np.array_equal(with_lines[:40], plain[:40])
     assert np.array_equal(shot(drawer, opaque=[wall]), plain)
 
