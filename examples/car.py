@@ -20,8 +20,10 @@ RUN_UP = 38.0
 """How far before the ramp it starts, metres."""
 LANDED = 28.0
 """So far behind the ramp's foot the driver takes the wheel, metres."""
+BESIDE = (-3.6, 1.1, -60.5)
+"""Where the camera stands at first, metres."""
 BEHIND = 7.0
-"""Of the camera, metres."""
+"""So far the camera rides behind the driver, metres."""
 MOVES = ("forward", "backward", "left", "right", "ascend")
 
 
@@ -29,7 +31,7 @@ class Drive(Example):
     """The track, and a car that goes over the ramp and drives itself round the bends."""
 
     SECONDS = 22.0
-    MOMENTS = (1.5, 4.3, 8.0, 15.0, 21.5)
+    MOMENTS = (2.5, 4.1, 8.0, 15.0, 21.5)
 
     def build(self) -> None:
         """Ground, track, car."""
@@ -40,8 +42,7 @@ class Drive(Example):
         self.car = self.moving.attach(Car(position, yaw))
         self.driver = Driver(self.car, self.track.line)
         self.fastest, self.highest, self.leaned = 0.0, 0.0, 0.0
-        self.camera.ride(self.car, "delta")
-        self.camera.distance = BEHIND
+        self.camera.position = BESIDE
 
     def before_step(self) -> None:
         """At the end of the jump the driver takes the wheel."""
@@ -50,22 +51,32 @@ class Drive(Example):
             car.controls.move(forward=True)
             if -car.hull.position.z > RAMP_AT + LANDED:
                 self.driver.begin()
+                self.get_in()
         self.fastest = max(self.fastest, car.speed)
         self.highest = max(self.highest, car.hull.position.y)
         self.leaned = max(self.leaned, abs(car.roll))
 
     by_hand = False
     """Whether somebody has pressed a key, and drives."""
+    watched = True
+    """Whether the camera stands beside the ramp, as it does at first."""
+
+    def get_in(self) -> None:
+        """Let the camera ride on the car."""
+        self.watched = False
+        self.camera.ride(self.car, "delta")
+        self.camera.distance = BEHIND
 
     def steer(self) -> None:
         """The mouse looks about; the first key to be pressed takes the wheel."""
-        right, down = self.events.look
-        self.camera.look(right, down)
-        riding = self.camera.carrier is self.car
-        if riding and not self.by_hand and any(self.events.held(name) for name in MOVES):
+        if not self.by_hand and any(self.events.held(name) for name in MOVES):
             self.by_hand = True
             self.driver.end()
-        if self.by_hand or not riding:
+            self.get_in()
+        if not self.watched:
+            right, down = self.events.look
+            self.camera.look(right, down)
+        if self.by_hand:
             self.camera.move(**{name: self.events.held(name) for name in MOVES})
             self.camera.steer()
 
@@ -75,8 +86,10 @@ class Drive(Example):
         self.events.on_press("u")(self.car.put_upright)
 
     def move_camera(self) -> None:
-        """It rides along, or flies if somebody has got out."""
-        flying = self.camera.carrier is None
+        """It watches from beside the ramp, rides along, or flies where somebody who has got out wants to."""
+        if self.watched:
+            self.camera.look_at(self.car.hull.position + oo.Vec3(0.0, 0.3, 0.0))
+        flying = self.by_hand and self.camera.carrier is None
         self.camera.update(self.clock.delta if flying else 0.0, self.interpolation)
 
     def check(self) -> None:

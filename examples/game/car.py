@@ -17,10 +17,12 @@ import osgode as oo
 from osgode.engine import ControllableObject
 from osgode.examples.game.car_look import hull_drawables, wheel_drawables
 
-CHASSIS = ((1.2, 0.5, 3.96), (0.0, 0.2, 0.0), 1020.0)
+CHASSIS = ((1.2, 0.5, 3.96), (0.0, 0.2, 0.0), 1060.0)
 """Size and middle in the hull's frame, metres, and mass, kg: it is as wide as there is room between the wheels."""
-CABIN = ((1.4, 0.62, 2.5), (0.0, 0.81, 0.55), 140.0)
+CABIN = ((1.4, 0.62, 2.5), (0.0, 0.81, 0.55), 100.0)
 """The same of the box above it."""
+LOW = -0.18
+"""How far the middle of the chassis' mass is above that of its box, metres: engine and floor lie low."""
 HALF_BASE = 1.3
 """From the middle of the car to each axle, metres."""
 HALF_TRACK = 0.76
@@ -72,7 +74,7 @@ SLIP_STEP = 0.05
 
 DAMAGE_FORCE = 38e3
 """What a wheel's joint bears without harm, N: more than a landing from 4 m asks for."""
-TOUGHNESS = {"front": 80.0, "rear": 200.0}
+TOUGHNESS = {"front": 85.0, "rear": 300.0}
 """How much a wheel bears beyond that in all, N s; those that are steered hang on by less."""
 
 WHEELS = ("front left", "front right", "rear left", "rear right")
@@ -137,6 +139,8 @@ class Car(ControllableObject):
         for (size, at, mass), part in ((CHASSIS, "chassis"), (CABIN, "cabin")):
             box = oo.Box(size, mass=mass, material="steel", kind="vehicle", visible=False, name=f"{name} {part}")
             self.hull.attach(oo.Placeable(position=at)).attach(box)
+        chassis, cabin = (oo.Mass.box(size, mass=mass).translated(at) for size, at, mass in (CHASSIS, CABIN))
+        self.hull.fixed_mass = chassis.translated((0.0, LOW, 0.0)) + cabin
         self.hull.attach(oo.Leaf(hull_drawables(colour), name=f"{name} shell"))
         self.wheels = tuple(self._wheel(each) for each in WHEELS)
         self._damage = [0.0] * len(WHEELS)
@@ -149,7 +153,6 @@ class Car(ControllableObject):
     def _wheel(self, which: str) -> oo.Wheel:
         quarter = self.hull.mass / 4
         stiffness = quarter * GRAVITY / SAG
-        # A sphere while it is on the car: it rolls over the seams of meshes as if there were none.
         wheel = oo.suspension_wheel(
             self.hull,
             wheel_place(which) - (0.0, SAG, 0.0),
@@ -159,7 +162,6 @@ class Car(ControllableObject):
             stiffness=stiffness,
             damping=DAMPING_RATIO * 2.0 * math.sqrt(stiffness * quarter),
             max_steering=INNER_STEERING if "front" in which else 0.0,
-            shape="sphere",
             kind="vehicle",
             shown=wheel_drawables(RADIUS, WIDTH),
             name=f"{self.name} {which}",
@@ -214,10 +216,12 @@ class Car(ControllableObject):
             for body in self.bodies:
                 body.wake()
         on = self.on
+        if not any(on):
+            return
         states = self._states(on)
         rims = [rate * RADIUS for rate in states["rate"][:, 1].tolist()]
         rolling = [rim for rim, is_on in zip(rims, on, strict=True) if is_on]
-        rim = sum(rolling) / len(rolling) if rolling else 0.0
+        rim = sum(rolling) / len(rolling)
         self._steer(rim, on)
         self._drive(rim, on)
         self._hold_the_road(rim, on)
@@ -229,18 +233,17 @@ class Car(ControllableObject):
         self._park(rim)
 
     def _states(self, on: Sequence[bool]) -> np.ndarray[Any, np.dtype[Any]]:
-        """The rows of its wheels among the states of all joints; zeros for wheels that are off."""
+        """The rows of its wheels among the states of all joints; those of wheels that are off say nothing."""
         world = self.hull.world
         if world is None:
             raise oo.StateError(f"{self.describe()}.control() needs it to be in a World")
-        states, joints = world.joint_states, world.joints
-        rows = np.zeros(len(self.wheels), states.dtype)
+        joints = world.joints
         for k, wheel in enumerate(self.wheels):
-            if on[k]:
-                if self._rows[k] >= len(joints) or joints[self._rows[k]] is not wheel.hinge:
-                    self._rows[k] = joints.index(wheel.hinge)
-                rows[k] = states[self._rows[k]]
-        return rows
+            if not on[k]:
+                self._rows[k] = 0
+            elif self._rows[k] >= len(joints) or joints[self._rows[k]] is not wheel.hinge:
+                self._rows[k] = joints.index(wheel.hinge)
+        return world.joint_states[self._rows]
 
     def _steer(self, rim: float, on: Sequence[bool]) -> None:
         """Turn the front wheels towards where they are wanted; each stands across the way to the middle of the bend."""
@@ -333,21 +336,16 @@ class Car(ControllableObject):
         """Let a wheel go, by its number in `WHEELS`; it rolls away as a body of its own beside the car.
 
         Who wants to hear of it registers with `Joint.on_let_go` of ``wheels[k].hinge``.
+
+        Raises:
+            FieldError: for a number that no wheel has.
         """
+        if wheel not in range(len(WHEELS)):
+            raise oo.FieldError(f"{self.describe()}.lose(): wheel is {wheel!r}; it must be 0 to {len(WHEELS) - 1}")
         lost = self.wheels[wheel]
         if lost.hinge.released:
             return
         self._damage[wheel] = max(self._damage[wheel], 1.0)
-        ball = lost.hub.geoms[0]
-        place = ball.parent
-        if place is None:
-            raise oo.StateError(f"{self.describe()}.lose(): {lost.hub.describe()} has no geom")
-        place.detach(ball)
-        place.attach(
-            oo.Cylinder(
-                RADIUS, WIDTH, material="rubber", shown=wheel_drawables(RADIUS, WIDTH), name=f"{lost.hub.name} lost"
-            )
-        )
         if self.parent is not None:
             lost.hub.move_to(self.parent)
         lost.hinge.release()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -124,13 +125,50 @@ def joined(parts: Sequence[tuple[Table, npt.NDArray[np.int64], Table]], name: st
     )
 
 
+GLASS = 0.3
+"""How much of the light the windows keep back, 0 to 1."""
+FITTINGS = (
+    ((1.46, 0.02, 2.55), (0.0, 0.69, 0.5), 0.0),
+    ((1.34, 0.13, 0.34), (0.0, 0.69, -0.5), 0.0),
+    ((0.5, 0.5, 0.12), (-0.36, 0.76, 0.5), -0.2),
+    ((0.5, 0.5, 0.12), (0.36, 0.76, 0.5), -0.2),
+    ((0.24, 0.13, 0.07), (-0.36, 1.0, 0.58), -0.2),
+    ((0.24, 0.13, 0.07), (0.36, 1.0, 0.58), -0.2),
+    ((1.2, 0.42, 0.12), (0.0, 0.78, 1.3), -0.25),
+)
+"""Floor, dashboard, seats and what heads rest on: size and middle, metres, and how they lean, radians."""
+RING: tuple[float, float] = (0.165, 0.014)
+"""Of the steering wheel: the radius of its ring's middle line and of the ring's tube, metres."""
+RING_PLACE, RING_LEAN = (-0.36, 0.78, -0.24), -0.5
+"""Its middle, metres, and how it leans, radians."""
+
+
+@cache
+def interior() -> tuple[oo.Drawable, ...]:
+    """Seats, dashboard and steering wheel, to be seen through the windows and by the driver."""
+    cloth = painted(0.09, 0.09, 0.1, 0.1)
+    made = [moved(oo.box_drawable(size, cloth), middle, lean) for size, middle, lean in FITTINGS]
+    outline = [(RING[1] * math.sin(a), RING[0] + RING[1] * math.cos(a)) for a in np.linspace(0.0, math.tau, 9)]
+    across, down = (2 * RING[0], 0.03, 0.014), (0.03, RING[0], 0.014)
+    ring = [oo.Drawable(oo.Mesh(*revolved(outline), name="steering wheel"), TYRE)]
+    ring += [oo.box_drawable(across, TYRE), moved(oo.box_drawable(down, TYRE), (0.0, -RING[0] / 2, 0.0), 0.0)]
+    return (*made, *(moved(part, RING_PLACE, RING_LEAN) for part in ring))
+
+
+def moved(part: oo.Drawable, middle: tuple[float, float, float], lean: float) -> oo.Drawable:
+    """The same elsewhere, leaning back by an angle."""
+    place = oo.Pose(oo.Vec3(*middle), oo.Quat.from_axis_angle((1.0, 0.0, 0.0), -lean)).matrix()
+    return oo.Drawable(part.mesh, part.appearance, place if part.matrix is None else place @ part.matrix)
+
+
 @cache
 def hull_drawables(colour: tuple[float, float, float] | None) -> tuple[oo.Drawable, ...]:
-    """The body shell; in its own red, or painted."""
+    """The body shell, in its own red or painted, with what is in it."""
     shell = oo.load_model(ASSETS / "hull.obj").drawables
-    if colour is None:
-        return tuple(shell)
-    # What is painted has most of the triangles: the others are lamps, glass and trim.
+    # What is painted has most of the triangles, and the windows shine most.
     most = max(shell, key=lambda part: len(part.mesh.triangles))
-    paint = painted(*colour, shine=0.7)
-    return tuple(oo.Drawable(part.mesh, paint, part.matrix) if part is most else part for part in shell)
+    windows = max(shell, key=lambda part: part.appearance.shininess)
+    looks = {windows: replace(windows.appearance, colour=(*windows.appearance.colour[:3], GLASS))}
+    if colour is not None:
+        looks[most] = painted(*colour, shine=0.7)
+    return (*(oo.Drawable(part.mesh, looks.get(part, part.appearance), part.matrix) for part in shell), *interior())

@@ -88,7 +88,7 @@ class Driver(Program):
     Args:
         car: what it drives: looks along -Z of its first body; forward, backward, left and right are throttle, brake and
             steering. Where it has a ``steering`` (radians, positive to the left) that is what is steered to; otherwise
-            it is told from how it turns.
+            it is told from how it turns. One that is ``upset`` is helped up by ``put_upright()``.
         line: what it drives along; points, or a `ClosedLine`.
         top_speed: m/s.
         side_limit: m/s2 across, how fast it dares to take bends.
@@ -182,7 +182,12 @@ class Driver(Program):
             return True
         self._stuck = self._stuck + step_size if abs(speed) < STUCK_SPEED else 0.0
         if self._stuck > STUCK_TIME:
-            self._stuck, self._freeing = 0.0, FREEING_TIME
+            self._stuck = 0.0
+            help_up = getattr(self.thing, "put_upright", None)
+            if help_up is not None and getattr(self.thing, "upset", False):
+                help_up()
+            else:
+                self._freeing = FREEING_TIME
         return False
 
 

@@ -162,10 +162,25 @@ static void meet_sphere(const thing *t, meetings *out) {
 /* How far off a face a contact with it may be. */
 static double reach_of(const thing *t, double depth) { return 1.1 * fabs(depth) + 1e-3 * t->size; }
 
+/* Whether a face at a point goes on where it would stand out above the tangent plane of that normal: at a ridge or a corner
+   no face does. */
+static int leans(const near_triangle *near, const dContactGeom *m, double reach, double deepest) {
+    double way[3], up[3], q[3], steep = dot(near->n, m->normal);
+    between(near->corners[0], m->pos, way);
+    double above = dot(near->n, way);
+    if (steep < 0.2 || steep > 0.999 || fabs(above) >= deepest) return 0;
+    for (int k = 0; k < 3; k++) up[k] = m->normal[k] - steep * near->n[k];
+    double length = length_of(up);
+    for (int k = 0; k < 3; k++) up[k] = m->pos[k] - above * near->n[k] + FORTH * reach * up[k] / length;
+    nearest_on_triangle(near, up, q);
+    between(q, up, way);
+    return length_of(way) < 0.5 * FORTH * reach;
+}
+
 /* Whether a normal at a point of a mesh is one that the surface has there: that of a face, or one of a
    ridge or corner, which leads away from all triangles. ODE looks at each triangle alone, and takes the rim of one for a
    step where the next one goes on. */
-static int is_sound(const thing *t, const dContactGeom *m) {
+static int is_sound(const thing *t, const dContactGeom *m, double deepest) {
     double ahead[3], q[3], way[3], reach = reach_of(t, m->depth);
     for (int i = 0; i < t->count; i++) {
         const near_triangle *near = &t->near[i];
@@ -176,6 +191,8 @@ static int is_sound(const thing *t, const dContactGeom *m) {
         between(m->pos, q, way);
         if (length_of(way) < reach) return 1;
     }
+    for (int i = 0; i < t->count; i++)
+        if (leans(&t->near[i], m, reach, deepest)) return 0;
     for (int k = 0; k < 3; k++) ahead[k] = m->pos[k] + FORTH * reach * m->normal[k];
     for (int i = 0; i < t->count; i++) {
         const near_triangle *near = &t->near[i];
@@ -190,8 +207,11 @@ static int is_sound(const thing *t, const dContactGeom *m) {
 
 static void drop_seams(const thing *t, meetings *all) {
     int sound = 0;
+    double deepest = 0;
+    for (int i = 0; i < all->count; i++)
+        if (reach_of(t, all->at[i].depth) > deepest) deepest = reach_of(t, all->at[i].depth);
     for (int i = 0; i < all->count; i++) {
-        if (!all->at[i].side1 && !is_sound(t, &all->at[i])) continue;
+        if (!all->at[i].side1 && !is_sound(t, &all->at[i], deepest)) continue;
         dContactGeom kept = all->at[sound];
         all->at[sound++] = all->at[i];
         all->at[i] = kept;

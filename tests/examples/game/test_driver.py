@@ -62,6 +62,18 @@ def test_a_wall_in_its_way_does_not_hold_it_for_ever():
     assert backward * STEP > 0.5
 
 
+def test_a_car_on_its_roof_is_set_on_its_wheels_and_goes_on():
+    world, car, track = on_track(lambda track: track.spot(70.0))
+    over = oo.Quat.from_axis_angle((0, 0, 1), math.pi)
+    car.place(oo.Pose(car.hull.position + oo.Vec3(0, 1.2, 0), car.hull.rotation * over))
+    Driver(car, track.line).begin()
+    world.run(seconds=1)
+    assert car.upset
+    world.run(seconds=6)
+    assert not car.upset
+    assert car.speed > 3.0
+
+
 def test_what_it_dares_is_what_bends_and_brakes_allow():
     """On a straight before a bend of radius r: sqrt(v^2 + 2 b s), up to its top speed, with v = sqrt(a r)."""
     points = [(0.0, 0.0, -2.0 * k) for k in range(31)]
