@@ -31,11 +31,11 @@ BALL_RADIUS, BALL_MASS = 0.1, 2.0
 """Metres; kg."""
 HANDLE_LENGTH, HANDLE_RADIUS, HANDLE_MASS = 0.56, 0.02, 2.0
 """Metres; kg."""
-GYRATION = 0.2
+GYRATION = 0.25
 """The moment of inertia of a link about every axis is that of its mass at this distance, metres."""
 JOINT_FRICTION, JOINT_GRIP = 1.4, 100.0
 """Of the bending of each joint: N m s/rad, and at most so many N m."""
-TURN_DAMPING = 0.12
+TURN_DAMPING = 0.15
 """The part of its turning that a link or the ball loses in each step."""
 FASTEST, BRAKE = 8.0, 0.05
 """What is faster, m/s, loses this part of its speed in each step."""
