@@ -10,6 +10,7 @@ import math
 
 import osgode as oo
 from osgode.engine import CompositeObject
+from osgode.examples.game.shapes import lathed
 
 DURATION = 0.7
 """Seconds from the flash to the last smoke."""
@@ -29,6 +30,8 @@ COLOURS = (
     (1.0, (0.15, 0.13, 0.12, 0.0)),
 )
 """Parts of its time, and red, green, blue and opacity then."""
+BALL = lathed([(math.sin(a * math.pi / 32), math.cos(a * math.pi / 32)) for a in range(33)], oo.Appearance(), 64).mesh
+"""Of radius 1, and rounder than spheres are drawn, since it fills the picture."""
 SHELLS = ((1.0, 1.0), (0.72, 0.8), (0.45, 0.6))
 """Balls within one another: parts of its radius, and how far each is on in its colours."""
 
@@ -127,7 +130,7 @@ class Explosion(CompositeObject):
         self._leaves = []
         for place, (part, ahead) in zip(self._shells, SHELLS, strict=True):
             look = oo.Appearance(colour_at(self.age * ahead), unlit=True)
-            self._leaves.append(place.attach(oo.Leaf([oo.sphere_drawable(1.0, look)])))
+            self._leaves.append(place.attach(oo.Leaf([oo.Drawable(BALL, look)])))
             place.scale = self.radius * part
 
 
