@@ -34,7 +34,7 @@ class Swinging(Example):
 
     def build(self) -> None:
         """Ground, towers, flail."""
-        self.orbit = Orbit(oo.Vec3(0.0, 1.0, -0.1), 4.6, yaw=0.75, pitch=0.22)
+        self.orbit = Orbit(oo.Vec3(0.0, 0.98, 0.1), 3.2, yaw=-2.45, pitch=0.2)
         self.fixed.attach(oo.Plane(material="earth", appearance=look("dirt", (0.9, 0.86, 0.8), scale=3.0, shine=0.0)))
         self.crates = [self.crate(angle, row) for angle in TOWERS for row in range(4)]
         self.stood = [crate.position for crate in self.crates]
