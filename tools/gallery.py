@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/joints.md: ``python tools/gallery.py [name ...]``; needs the extra ``render``."""
+"""Draws pictures of docs/joints.md and docs/game: ``python tools/gallery.py [name ...]``; needs the extra ``render``."""
 
 import importlib
 import sys
@@ -26,6 +26,9 @@ EXAMPLES = (
     "gears",
     "springs",
     "arm",
+    "player",
+    "pendulums",
+    "shuttle",
 )
 
 

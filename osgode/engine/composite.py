@@ -99,8 +99,8 @@ class CompositeObject(SimpleSpace):
         Nothing unless a subclass does something. What it raises undoes the attaching.
         """
 
-    def _settle(self) -> None:
-        super()._settle()
+    def _entered(self) -> None:
+        super()._entered()
         self.entered()
 
     @property
@@ -201,8 +201,8 @@ class ControllableObject(CompositeObject):
         """Called when the camera leaves; nobody steers it then."""
         self.controls.stop()
 
-    def _settle(self) -> None:
-        super()._settle()
+    def _entered(self) -> None:
+        super()._entered()
         self.schedule(_control, priority=self.CONTROL_PRIORITY)
 
 

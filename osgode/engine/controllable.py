@@ -7,7 +7,7 @@ from typing import Any
 
 from osgode.errors import FieldError, shown
 from osgode.fields import number
-from osgode.maths import Quat, Vec3
+from osgode.maths import ZERO, Quat, Vec3
 
 ANGLE = number(-1e6, 1e6)
 MOVES: dict[str, Vec3] = {
@@ -141,8 +141,7 @@ class Controllable:
     @property
     def wish(self) -> Vec3:
         """Where it wants to go, in its own axes: length 1, or 0 for standing still."""
-        total = sum((MOVES[name] for name in MOVES if name in self._moves), Vec3(0.0, 0.0, 0.0))
-        return total.normalized() if total.length > 0.5 else Vec3(0.0, 0.0, 0.0)
+        return _direction(sum((MOVES[name] for name in MOVES if name in self._moves), ZERO))
 
     @property
     def movement(self) -> Vec3:
@@ -151,5 +150,10 @@ class Controllable:
 
     @property
     def level_movement(self) -> Vec3:
-        """The same in the world by the yaw alone: how something walks."""
-        return Quat.from_yaw_pitch_roll(self.yaw).rotate(self.wish)
+        """Where it wants to go in the world by the yaw alone, up and down left out: how something walks."""
+        total = sum((MOVES[name] for name in MOVES if name in self._moves), ZERO)
+        return Quat.from_yaw_pitch_roll(self.yaw).rotate(_direction(Vec3(total.x, 0.0, total.z)))
+
+
+def _direction(total: Vec3) -> Vec3:
+    return total.normalized() if total.length > 0.5 else ZERO

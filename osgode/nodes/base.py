@@ -305,6 +305,8 @@ class PhysicsNode(HasFields, Node):
                 node._enter(realm)
             for node in entered:
                 node._settle()
+            for node in entered:
+                node._entered()
         except BaseException:
             for node in reversed(entered):
                 if node._realm is not None:
@@ -328,6 +330,9 @@ class PhysicsNode(HasFields, Node):
 
     def _settle(self) -> None:
         """Called when the whole subtree has entered."""
+
+    def _entered(self) -> None:
+        """Called when all of it, joints too, is as it will be; may raise to refuse."""
 
     def _leave(self) -> None:
         """Take the state into the record and free the native."""
