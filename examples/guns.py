@@ -41,7 +41,9 @@ class Guns(Example):
     def build(self) -> None:
         """Ground, wall, stacks, gun."""
         self.orbit = Orbit(oo.Vec3(0.3, 1.35, -3.2), 5.4, yaw=0.3, pitch=0.12)
-        self.fixed.attach(oo.Plane(material="concrete", appearance=look("concrete", (0.82, 0.8, 0.76), scale=4.0, shine=0.0)))
+        self.fixed.attach(
+            oo.Plane(material="concrete", appearance=look("concrete", (0.82, 0.8, 0.76), scale=4.0, shine=0.0))
+        )
         brick = oo.Box(WALL, material="brick", appearance=look("brick", scale=1.6, shine=0.0))
         self.still(brick, (0.0, WALL[1] / 2, WALL_Z))
         cap = look("concrete", (0.7, 0.7, 0.7), scale=1.5)

@@ -1,11 +1,12 @@
 """An explosion: a ball of fire that grows, changes its colour, pushes away what it reaches, and is gone.
 
-It is a body without gravity and without geoms. In each step it asks its space what is in it, as `Space.overlaps` answers,
-and pushes each body once; so nothing that looks around with rays ever takes it for something solid.
+It is a body without gravity and without geoms. In each step it asks its space what is in it, by `Space.overlaps`, and
+pushes each body once; so nothing that looks around with rays ever takes it for something solid.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import osgode as oo
@@ -110,7 +111,8 @@ class Explosion(CompositeObject):
 
     def _push(self) -> None:
         space = self.space
-        assert space is not None
+        if space is None:
+            return
         middle = self.main_body.position
         # A body of several parts is named once for each of them: it is pushed once, for all of its size.
         found = dict.fromkeys(
@@ -121,7 +123,7 @@ class Explosion(CompositeObject):
             outward = way.normalized() if way.length > 1e-6 else oo.Vec3(0.0, 1.0, 0.0)
             impulse = self.impulse_at(way.length, area_of(body))
             if impulse > 0.0 and not body.kinematic:
-                body.apply_impulse((outward + (0.0, LIFT, 0.0)).normalized() * impulse)
+                body.apply_impulse(((*outward, 0.0, LIFT, 0.0)).normalized() * impulse)
                 self.pushed[body] = self.pushed.get(body, 0.0) + impulse
 
     def _show(self) -> None:
@@ -140,7 +142,7 @@ def _grow(explosion: Explosion) -> bool:
 
 def colour_at(age: float) -> tuple[float, float, float, float]:
     """Red, green, blue and opacity after a part of its time, between the rows of `COLOURS`."""
-    for (start, before), (end, after) in zip(COLOURS, COLOURS[1:], strict=False):
+    for (start, before), (end, after) in itertools.pairwise(COLOURS):
         if age <= end:
             part = (age - start) / (end - start)
             red, green, blue, opacity = (a + (b - a) * part for a, b in zip(before, after, strict=True))

@@ -1,11 +1,11 @@
 """The flail: a handle, a chain of capsules joined by universal joints, and a ball full of spikes.
 
-A chain that swings a ball is hard for a solver that iterates, and for one that goes on in a straight line within a step:
-it stretches. What keeps it together here, each measured:
+A chain that swings a ball is hard for a solver that iterates, and for one whose bodies go straight on within a step: it
+stretches. What keeps it together here, each measured:
 
 - The ball weighs little more than the chain, and turns about its own middle, where the last joint is.
-- Links have more inertia than their shapes say, so that none whirls: what turns by w in a step of dt leaves its joint by
-  half its length times (w dt)^2 / 2.
+- Links have more inertia than their shapes say, so that none whirls: what turns at w for a step of dt leaves its joint
+  by half its length times (w dt)^2 / 2.
 - The joints bend with friction, and what is faster than any arm swings it is braked.
 - The links don't touch one another.
 
@@ -79,7 +79,12 @@ class Flail(Weapon):
             link = oo.Body(name=f"{name} link {k}", position=knot + ahead * (LINK_LENGTH / 2), rotation=turn)
             link.attach(oo.Placeable()).attach(
                 oo.Capsule(
-                    LINK_RADIUS, LINK_LENGTH - 2 * LINK_RADIUS, material="steel", kind="weapon", collides_with=OTHERS, shown=_link(steel, k)
+                    LINK_RADIUS,
+                    LINK_LENGTH - 2 * LINK_RADIUS,
+                    material="steel",
+                    kind="weapon",
+                    collides_with=OTHERS,
+                    shown=_link(steel, k),
                 )
             )
             link.fixed_mass = oo.Mass(LINK_MASS, (0.0, 0.0, 0.0), _round(LINK_MASS * GYRATION**2))
@@ -88,7 +93,9 @@ class Flail(Weapon):
             before, knot = link, knot + ahead * LINK_LENGTH
         self.ball = oo.Body(name=f"{name} ball", position=knot, rotation=turn)
         self.ball.attach(oo.Placeable()).attach(
-            oo.Sphere(BALL_RADIUS, material="steel", kind="weapon", collides_with=OTHERS, mass=BALL_MASS, shown=_spiked(steel))
+            oo.Sphere(
+                BALL_RADIUS, material="steel", kind="weapon", collides_with=OTHERS, mass=BALL_MASS, shown=_spiked(steel)
+            )
         )
         self._join(self.attach(self.ball), before, knot, turn, LINKS)
 
@@ -135,9 +142,12 @@ def _handle() -> list[oo.Drawable]:
         rod(r * 1.15, (0.0, 0.0, 0.235), (0.0, 0.0, 0.09), leather),
         *rings,
         placed(
-            lathed([(0.0, 0.03), (0.018, 0.026), (0.03, 0.01), (0.03, -0.01), (0.018, -0.025)], iron), (0, 0, half - 0.03)
+            lathed([(0.0, 0.03), (0.018, 0.026), (0.03, 0.01), (0.03, -0.01), (0.018, -0.025)], iron),
+            (0, 0, half - 0.03),
         ),
-        placed(lathed([(0.0, 0.06), (0.027, 0.06), (0.029, 0.0), (0.016, -0.02), (0.0, -0.02)], iron), (0, 0, 0.01 - half)),
+        placed(
+            lathed([(0.0, 0.06), (0.027, 0.06), (0.029, 0.0), (0.016, -0.02), (0.0, -0.02)], iron), (0, 0, 0.01 - half)
+        ),
     ]
 
 
@@ -159,7 +169,13 @@ def _spiked(steel: oo.Appearance) -> list[oo.Drawable]:
     iron = painted(0.2, 0.2, 0.23, 0.6)
     spike = lathed([(0.0, 0.055), (0.024, 0.0), (0.0, -0.002)], steel, 12)
     parts = [ball(core, (0.0, 0.0, 0.0), iron)]
-    ways = [oo.Vec3(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if abs(x) + abs(y) + abs(z) in (1, 3)]
+    ways = [
+        oo.Vec3(x, y, z)
+        for x in (-1, 0, 1)
+        for y in (-1, 0, 1)
+        for z in (-1, 0, 1)
+        if abs(x) + abs(y) + abs(z) in (1, 3)
+    ]
     for way in ways:
         out = way.normalized()
         if out.z < 0.9:

@@ -53,9 +53,7 @@ class ConstructorGun(Weapon):
         self, position: oo.Vec3Like = (0.0, 0.0, 0.0), yaw: float = 0.0, *, name: str = "constructor gun"
     ) -> None:
         super().__init__(name=name)
-        body = self.attach(
-            oo.Body(name=f"{name} body", position=position, rotation=oo.Quat.from_yaw_pitch_roll(yaw))
-        )
+        body = self.attach(oo.Body(name=f"{name} body", position=position, rotation=oo.Quat.from_yaw_pitch_roll(yaw)))
         body.attach(oo.Placeable()).attach(oo.Box(SIZE, material="steel", kind="weapon", mass=MASS, shown=_model()))
         self.shots = Shots()
         """What it has shot, as long as that is there."""

@@ -50,7 +50,7 @@ class Mount(ControllableObject):
         super().__init__(name=name)
         self.turn_speed = turn_speed
         turn, foot = oo.Quat.from_yaw_pitch_roll(yaw), oo.Vec3(*position)
-        middle = foot + (0.0, HEIGHT, 0.0)
+        middle = (*foot, 0.0, HEIGHT, 0.0)
         self.controls.yaw = yaw
         self.fork = self.attach(oo.Body(name=f"{name} fork", position=middle, rotation=turn, kinematic=True))
         self.fork.attach(oo.Leaf(_fork()))
@@ -90,9 +90,7 @@ class Mount(ControllableObject):
 
     def control(self) -> None:
         """Turn, as fast as it can, to where it is told."""
-        world = self.world
-        assert world is not None
-        most = self.turn_speed * world.step_size
+        most = self.turn_speed * (0.0 if self.world is None else self.world.step_size)
         wanted = (self.controls.yaw, self.controls.pitch)
         self._angles = [
             old + min(max(math.remainder(new - old, math.tau), -most), most)

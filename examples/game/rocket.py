@@ -1,7 +1,7 @@
 """The rocket launcher, and its rockets: slow at first, faster in each step, until they hit or their fuel is gone.
 
 A rocket is a capsule that is swept along its way. While it burns it has no gravity and is pushed along its nose in each
-step; its fins keep the nose where it flies to. What it touches it tells its listener; in the next step it is gone, and an
+step; its fins keep the nose where it flies to. Its listener hears when it hits; in the next step it is gone, and an
 explosion is in its place.
 """
 
@@ -133,9 +133,7 @@ class Rocket(CompositeObject):
 
     @property
     def _step_size(self) -> float:
-        world = self.world
-        assert world is not None
-        return world.step_size
+        return 0.0 if self.world is None else self.world.step_size
 
     def _spare(self, feedback: oo.CollisionFeedback) -> None:
         if self._age * self._step_size < SPARED_FOR and is_part_of(feedback.other, self._spares):
@@ -191,9 +189,7 @@ class RocketLauncher(Weapon):
         self, position: oo.Vec3Like = (0.0, 0.0, 0.0), yaw: float = 0.0, *, name: str = "rocket launcher"
     ) -> None:
         super().__init__(name=name)
-        body = self.attach(
-            oo.Body(name=f"{name} body", position=position, rotation=oo.Quat.from_yaw_pitch_roll(yaw))
-        )
+        body = self.attach(oo.Body(name=f"{name} body", position=position, rotation=oo.Quat.from_yaw_pitch_roll(yaw)))
         tube = oo.Placeable(position=(0.0, MUZZLE.y, 0.0))
         body.attach(tube).attach(
             oo.Cylinder(TUBE_RADIUS, TUBE_LENGTH, material="steel", kind="weapon", mass=MASS, shown=_launcher())

@@ -1,11 +1,12 @@
 """Small parts that models are put together from by code: boxes, rods, balls, and what a lathe makes.
 
-Each is an `osgode.Drawable` in the axes of the thing that it is a part of; a geom shows several in place of its collision
-shape: ``Box(size, shown=[block(...), rod(...)])``.
+Each is an `osgode.Drawable` in the axes of the thing that it is a part of; a geom shows several in place of its
+collision shape: ``Box(size, shown=[block(...), rod(...)])``.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -61,7 +62,7 @@ def lathed(profile: Sequence[tuple[float, float]], look: oo.Appearance, facets: 
     angles = np.arange(facets + 1) * (math.tau / facets)
     round_it = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     vertices, normals, uvs, triangles = [], [], [], []
-    for k, ((r0, z0), (r1, z1)) in enumerate(zip(profile, profile[1:], strict=False)):
+    for k, ((r0, z0), (r1, z1)) in enumerate(itertools.pairwise(profile)):
         slope = np.array([z0 - z1, r1 - r0])
         slope /= max(float(np.hypot(*slope)), 1e-9)
         for row, (r, z) in enumerate(((r0, z0), (r1, z1))):

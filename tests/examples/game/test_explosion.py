@@ -1,12 +1,24 @@
 """Explosions: they grow, change colour, push outward what they reach, each body once in a step, and are gone."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
 import osgode as oo
-from osgode.examples.game.explosion import COLOURS, CORE, DURATION, FIRST_RADIUS, LIFT, PRESSURE, RADIUS, Explosion, area_of, colour_at
+from osgode.examples.game.explosion import (
+    COLOURS,
+    CORE,
+    DURATION,
+    FIRST_RADIUS,
+    LIFT,
+    PRESSURE,
+    RADIUS,
+    Explosion,
+    area_of,
+    colour_at,
+)
 from tests.examples.game.bearer import Range
 
 
@@ -35,7 +47,7 @@ def test_it_grows_and_changes_its_colour_in_each_step_and_is_gone():
         scene.world.step()
     assert len(radii) == round(DURATION * 120)
     assert radii[0] == FIRST_RADIUS
-    assert all(a < b for a, b in zip(radii, radii[1:], strict=False))
+    assert all(a < b for a, b in itertools.pairwise(radii))
     assert radii[-1] == pytest.approx(4.0, rel=0.01)
     assert len(set(colours)) == len(colours)
     assert all(look[3] < 1.0 for look in colours)
@@ -73,7 +85,7 @@ def test_what_it_reaches_is_thrown_outward_the_nearer_the_harder():
 
 
 def test_a_body_of_many_parts_is_pushed_once_in_a_step():
-    """One step of one explosion in the middle of its time: the impulse that the formula gives, not one for each part."""
+    """In a step in the middle of its time it gets the impulse that the formula gives, not one for each part."""
     scene = empty()
     whole = scene.crate((2.0, 0.0, 0.0), size=0.5)
     parts = scene.moving.attach(oo.Body(position=(-2.0, 0.0, 0.0)))

@@ -39,10 +39,12 @@ def test_balls_are_of_iron_and_cubes_of_wood():
     for button in MASSES:
         scene.shoot(gun, button, 0.3)
     (ball,), (cube,) = (shot.geoms for shot in gun.shots.alive)
-    assert isinstance(ball, oo.Sphere) and ball.material == "steel"
+    assert isinstance(ball, oo.Sphere)
+    assert ball.material == "steel"
     assert BALL_MASS / (4 / 3 * math.pi * BALL_RADIUS**3) == pytest.approx(7870, rel=0.02)  # iron, kg/m3
-    assert isinstance(cube, oo.Box) and cube.material == "wood"
-    assert CUBE_MASS / CUBE_EDGE**3 == pytest.approx(640, rel=0.05)
+    assert isinstance(cube, oo.Box)
+    assert cube.material == "wood"
+    assert pytest.approx(640, rel=0.05) == CUBE_MASS / CUBE_EDGE**3
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.9, -2.5])

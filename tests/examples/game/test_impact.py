@@ -15,7 +15,7 @@ def noted(node, threshold=THRESHOLD):
 
 
 def test_what_falls_has_the_energy_of_its_height():
-    """m g h for a ball that falls onto the ground by h, and it is told once."""
+    """M g h for a ball that falls onto the ground by h, and it is told once."""
     scene = Range(bearer=False)
     ball = scene.moving.attach(oo.Body(position=(3.0, 2.2, 1.0)))
     ball.attach(oo.Placeable()).attach(oo.Sphere(0.2, mass=5.0, material="rubber"))
@@ -47,7 +47,7 @@ def test_two_bodies_have_the_energy_of_their_reduced_mass(one, two):
 
 
 def test_a_blow_beside_the_middle_counts_what_turns_too():
-    """A rod in free space, hit by a wall at its end: 1 / (1/m + r^2 / I) is a quarter of its mass, I being m l^2 / 12."""
+    """A rod that flies against a corner with its end: about a quarter of its mass, 1 / (1/m + r^2 / I), counts."""
     scene = Range(bearer=False, ground=False, gravity=(0, 0, 0))
     rod = scene.moving.attach(oo.Body(position=(0, 0, 0), linear_velocity=(0, -3.0, 0)))
     rod.attach(oo.Placeable()).attach(oo.Box((2.0, 0.02, 0.02), mass=4.0))

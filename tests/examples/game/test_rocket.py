@@ -29,7 +29,7 @@ def launched(**settings):
 
 
 def test_a_rocket_is_accelerated_in_each_step_along_its_flight():
-    """v = v0 + a t, and it flies straight on, in spite of gravity, as long as it burns."""
+    """V = v0 + a t, and it flies straight on, in spite of gravity, as long as it burns."""
     scene, rocket = launched()
     assert rocket.rocket.linear_velocity == (0.0, 0.0, -START_SPEED)
     before = START_SPEED
@@ -51,9 +51,11 @@ def test_after_ten_seconds_its_fuel_is_gone_and_it_falls_with_its_nose_ahead():
     scene, rocket = launched()
     scene.world.run(seconds=FUEL - 1 / 120)
     assert FUEL == 10.0
-    assert rocket.burning and not rocket.rocket.gravity
+    assert rocket.burning
+    assert not rocket.rocket.gravity
     scene.world.run(seconds=2 / 120)
-    assert not rocket.burning and rocket.rocket.gravity
+    assert not rocket.burning
+    assert rocket.rocket.gravity
     ahead, height = rocket.rocket.linear_velocity.z, rocket.rocket.position.y
     scene.world.run(seconds=5.0)
     velocity = rocket.rocket.linear_velocity
@@ -72,12 +74,15 @@ def test_a_rocket_that_hits_is_gone_in_the_next_step_and_an_explosion_is_in_its_
     while not hit:
         assert rocket.in_simulation
         scene.world.step()
-    assert rocket.in_simulation and rocket.explosion is None
+    assert rocket.in_simulation
+    assert rocket.explosion is None
     where = rocket.rocket.position
     scene.world.step()
-    assert not rocket.in_simulation and rocket.parent is None
+    assert not rocket.in_simulation
+    assert rocket.parent is None
     explosion = rocket.explosion
-    assert isinstance(explosion, Explosion) and explosion.in_simulation
+    assert isinstance(explosion, Explosion)
+    assert explosion.in_simulation
     assert explosion.main_body.position.distance((0.0, 10.0, -29.95 + ROCKET_LENGTH / 2)) < 0.05
     assert explosion.main_body.position.distance(where) < 0.5
     scene.world.run(seconds=DURATION + 0.1)
@@ -118,7 +123,8 @@ def test_a_rocket_that_hits_nothing_is_gone_in_the_end():
     scene.world.run(seconds=EXPIRES - 1.0)
     assert rocket.in_simulation
     scene.world.run(seconds=1.5)
-    assert not rocket.in_simulation and rocket.explosion is None
+    assert not rocket.in_simulation
+    assert rocket.explosion is None
 
 
 def test_only_a_rocket_in_a_world_explodes():
@@ -134,10 +140,12 @@ def test_the_launcher_shoots_along_the_aiming_ray_and_loads_again():
         return [node for node in scene.moving.children if isinstance(node, Rocket)]
 
     aim = (EYE, oo.Vec3(0.3, 0.1, -1.0).normalized())
-    assert launcher.loaded and launcher.shown_rocket.on
+    assert launcher.loaded
+    assert launcher.shown_rocket.on
     scene.shoot(launcher, charge=0.05, aim=aim)
     (rocket,) = rockets()
-    assert not launcher.loaded and not launcher.shown_rocket.on
+    assert not launcher.loaded
+    assert not launcher.shown_rocket.on
     scene.shoot(launcher, charge=0.05, aim=aim)
     assert len(rockets()) == 1
     scene.world.run(seconds=1.5)
@@ -145,7 +153,8 @@ def test_the_launcher_shoots_along_the_aiming_ray_and_loads_again():
     seen = (rocket.rocket.position - EYE).normalized()
     assert math.acos(min(seen.dot(aim[1]), 1.0)) < math.radians(1.0)
     assert RELOAD < 1.5
-    assert launcher.loaded and launcher.shown_rocket.on
+    assert launcher.loaded
+    assert launcher.shown_rocket.on
     scene.shoot(launcher, "right", charge=0.05, aim=aim)
     assert len(rockets()) == 2
 
@@ -158,7 +167,7 @@ def test_the_launcher_kicks():
     momentum = scene.bearer.hand.momentum + launcher.main_body.momentum
     assert momentum.length == pytest.approx(RECOIL, rel=0.01)
     assert momentum.z > 0.99 * RECOIL
-    assert ROCKET_MASS * START_SPEED == pytest.approx(RECOIL, rel=0.1)  # what the rocket has got
+    assert pytest.approx(RECOIL, rel=0.1) == ROCKET_MASS * START_SPEED  # what the rocket has got
 
 
 def test_rockets_are_the_same_every_time():
