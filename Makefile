@@ -26,6 +26,7 @@ demo: setup ## run the demo (everything that is missing is installed first)
 	$(PY) -m $(DEMO) $(ARGS)
 
 test: setup ## run the tests; ARGS="-k hinge" goes to pytest
+	@tools/setup.sh test
 	$(PY) -m pytest -n auto $(ARGS)
 
 lint: setup ## check style, format and types

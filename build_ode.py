@@ -17,12 +17,14 @@ UNITS = (
         "collide",
         "contacts",
         "seams",
+        "lying",
+        "capsules",
         "joints",
         "gears",
     ),
-    *("boxtree", "broad", "step", "queries", "gjk", "triangles", "sweep"),
+    *("boxtree", "broad", "broadqueries", "islands", "step", "queries", "gjk", "triangles", "sweep"),
 )
-HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "shapes.h", "ode.cdef")
+HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "onmesh.h", "shapes.h", "ode.cdef")
 
 ffi = FFI()
 ffi.cdef((NATIVE / "ode.cdef").read_text() + (NATIVE / "core.h").read_text())
@@ -31,9 +33,7 @@ ffi.set_source(
     '#include <ode/ode.h>\n#include "core.h"\n',
     sources=[str(NATIVE / f"{name}.c") for name in UNITS],
     include_dirs=[str(NATIVE)],
-    depends=[
-        str(NATIVE / name) for name in ("core.h", "internal.h", "heightfield.h", "broad.h", "shapes.h", "ode.cdef")
-    ],
+    depends=[str(NATIVE / name) for name in HEADERS],
     libraries=["ode", "m", "dl", "pthread"],
     extra_compile_args=["-O2", "-std=gnu11", "-Wall"],
 )

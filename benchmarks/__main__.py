@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from benchmarks import joints, listener, memory, picture, raw, rays, speed, startup
+from benchmarks import debug, joints, listener, memory, picture, raw, rays, speed, startup
 from benchmarks.scenes import SCENES
 
 KINDS = ("step", "listener", "rays", "joints", "frame", "memory", "import")
@@ -32,6 +32,7 @@ def main() -> None:
         joints.run(chosen.turns)
     if "frame" in kinds:
         picture.run()
+        debug.run()
     if "memory" in kinds:
         memory.run()
     if "import" in kinds:

@@ -22,6 +22,7 @@ ARRAYS = {
     "body_capacity": "oo_body",
     "geom_capacity": "oo_geom",
     "contact_capacity": "oo_contact",
+    "island_capacity": "oo_island",
     "feedback_capacity": "dJointFeedback",
     "touching_capacity": "oo_touch",
     "touched_capacity": "oo_touch",

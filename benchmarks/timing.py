@@ -39,16 +39,18 @@ class Times(NamedTuple):
     processor: float
 
 
-def seconds(call: Callable[[], object]) -> float:
+def seconds(call: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
     """How long one call takes."""
-    start = time.perf_counter()
+    start = clock()
     call()
-    return time.perf_counter() - start
+    return clock() - start
 
 
-def median_seconds(call: Callable[[], object], count: int = 1000) -> float:
+def median_seconds(
+    call: Callable[[], object], count: int = 1000, clock: Callable[[], float] = time.perf_counter
+) -> float:
     """The median time of many calls."""
-    return statistics.median(seconds(call) for _ in range(count))
+    return statistics.median(seconds(call, clock) for _ in range(count))
 
 
 def turns(count: int, one: Callable[[], Times], other: Callable[[], Times]) -> list[tuple[Times, Times]]:

@@ -17,11 +17,16 @@ from osgode.errors import (
 from osgode.graph.appearance import Appearance, Texture, load_texture
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Drawer, Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Bin, Drawer, Frame, Light, Lines, Rectangle, Sky, Sprites, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
+from osgode.graph.lights import PointLight, SpotLight
+from osgode.graph.lines import LineSet
+from osgode.graph.lod import LevelOfDetail, bounding_box
 from osgode.graph.mesh import Mesh
 from osgode.graph.models import Model, load_model
 from osgode.graph.node import Group, Node
+from osgode.graph.particles import Particles
+from osgode.graph.picking import Pick
 from osgode.graph.projection import Area, OverlayNode, Projection
 from osgode.graph.shapes import (
     box_drawable,
@@ -30,6 +35,7 @@ from osgode.graph.shapes import (
     cylinder_drawable,
     sphere_drawable,
 )
+from osgode.graph.spray import DUST, FIRE, SMOKE, SPARKS, Spray
 from osgode.graph.transforms import MatrixTransform, PositionAttitudeTransform, Transform
 from osgode.graph.visitors import UpdateVisitor, Visitor
 from osgode.joints.ball import Ball
@@ -56,6 +62,7 @@ from osgode.nodes.body import Body
 from osgode.nodes.centreofmass import CentreOfMass
 from osgode.nodes.colliders import colliders
 from osgode.nodes.convex import ConvexHull
+from osgode.nodes.exports import StepTimings
 from osgode.nodes.feedback import CollisionFeedback
 from osgode.nodes.geom import Geom
 from osgode.nodes.heightdata import HeightData
@@ -76,9 +83,13 @@ from osgode.scheduler import ScheduledCall
 __version__ = "0.1.0"
 
 __all__ = [
+    "DUST",
+    "FIRE",
     "PR",
     "PU",
     "PUBLISHED",
+    "SMOKE",
+    "SPARKS",
     "AngularMotor",
     "Appearance",
     "Area",
@@ -113,7 +124,11 @@ __all__ = [
     "Joint",
     "Leaf",
     "LetGo",
+    "LevelOfDetail",
+    "Light",
+    "LineSet",
     "LinearMotor",
+    "Lines",
     "Mass",
     "MatrixTransform",
     "Mesh",
@@ -125,12 +140,15 @@ __all__ = [
     "OsgodeError",
     "OverlayNode",
     "ParameterError",
+    "Particles",
     "PhysicsError",
     "PhysicsNode",
+    "Pick",
     "Piston",
     "Placeable",
     "Plane",
     "Plane2D",
+    "PointLight",
     "Pose",
     "PositionAttitudeTransform",
     "Projection",
@@ -149,7 +167,11 @@ __all__ = [
     "Slider",
     "Space",
     "Sphere",
+    "SpotLight",
+    "Spray",
+    "Sprites",
     "StateError",
+    "StepTimings",
     "Sun",
     "Surface",
     "SurfaceTable",
@@ -171,6 +193,7 @@ __all__ = [
     "Visitor",
     "Wheel",
     "World",
+    "bounding_box",
     "box_drawable",
     "capsule_drawable",
     "centre_of_mass_drawable",

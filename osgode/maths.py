@@ -224,17 +224,24 @@ class Pose(NamedTuple):
 
 def pose_matrices(positions: npt.ArrayLike, quaternions: npt.ArrayLike) -> FloatArray:
     """4x4 matrices for many poses: (n, 3) positions and (n, 4) unit quaternions give (n, 4, 4)."""
-    p = np.asarray(positions, dtype=np.float64)
-    q = np.ascontiguousarray(np.asarray(quaternions, dtype=np.float64).T)
-    (_, wx, wy, wz), (_, xx, xy, xz), (_, _, yy, yz), (_, _, _, zz) = q[:, None] * (q + q)
-    out = np.empty((4, 4, len(p)))  # the poses side by side, where numpy is quickest
-    out[0, 0], out[0, 1], out[0, 2] = 1 - (yy + zz), xy - wz, xz + wy
-    out[1, 0], out[1, 1], out[1, 2] = xy + wz, 1 - (xx + zz), yz - wx
-    out[2, 0], out[2, 1], out[2, 2] = xz - wy, yz + wx, 1 - (xx + yy)
-    out[:3, 3] = p.T
-    out[3] = 0.0
-    out[3, 3] = 1.0
-    return np.ascontiguousarray(out.transpose(2, 0, 1))
+    w, x, y, z = q = np.ascontiguousarray(np.asarray(quaternions, dtype=np.float64).T)
+    x2, y2, z2 = q[1:] * 2.0
+    wx, wy, wz, xx, xy, xz = w * x2, w * y2, w * z2, x * x2, x * y2, x * z2
+    yy, yz, zz = y * y2, y * z2, z * z2
+    out = np.zeros((len(w), 4, 4))
+    cells = out.reshape(-1, 16).T  # each cell for all poses
+    np.subtract(1.0, yy + zz, out=cells[0])
+    np.subtract(xy, wz, out=cells[1])
+    np.add(xz, wy, out=cells[2])
+    np.add(xy, wz, out=cells[4])
+    np.subtract(1.0, xx + zz, out=cells[5])
+    np.subtract(yz, wx, out=cells[6])
+    np.subtract(xz, wy, out=cells[8])
+    np.add(yz, wx, out=cells[9])
+    np.subtract(1.0, xx + yy, out=cells[10])
+    out[:, :3, 3] = positions
+    cells[15] = 1.0
+    return out
 
 
 def look_at(eye: Vec3Like, target: Vec3Like, up: Vec3Like = (0, 1, 0)) -> Pose:

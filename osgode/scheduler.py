@@ -3,44 +3,66 @@
 from __future__ import annotations
 
 import heapq
+import weakref
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
 Callback: TypeAlias = Callable[[Any], object]
 
+STALE = 64
+"""How many cancelled calls the queue may keep, if they are not more than those that are waited for."""
+
 
 class ScheduledCall:
-    """A call that a node will get; made by ``node.schedule()``."""
+    """A call that a node will get; made by ``node.schedule()``.
 
-    __slots__ = ("_agenda", "_callback", "_node", "_number", "delay", "due", "priority")
+    It keeps neither its node nor the World, nor what it calls: these belong to the World's agenda.
+    """
 
-    def __init__(self, agenda: Agenda, node: Any, callback: Callback, delay: int, priority: int) -> None:
-        self._agenda = agenda
-        self._node = node
-        self._callback = callback
-        self._number = 0
-        self.delay = delay
+    __slots__ = ("_agenda", "_delay", "_due", "_node", "_number", "_priority")
+
+    def __init__(self, agenda: Agenda, node: Any, delay: int, priority: int) -> None:
+        self._agenda = weakref.ref(agenda)
+        self._node = weakref.ref(node)
+        self._delay = delay
+        self._priority = priority
+        self._due = self._number = 0
+
+    @property
+    def delay(self) -> int:
         """Steps from scheduling to the call, and between calls if it is repeated."""
-        self.priority = priority
+        return self._delay
+
+    @property
+    def priority(self) -> int:
         """Of two calls due in one step the one with the higher priority comes first."""
-        self.due = 0
+        return self._priority
+
+    @property
+    def due(self) -> int:
         """The number of the step (`World.steps`) after which it is made."""
+        return self._due
 
     @property
     def pending(self) -> bool:
         """Whether it is still going to be made."""
-        return self._agenda.knows(self)
+        agenda = self._agenda()
+        return agenda is not None and agenda.knows(self)
 
     def cancel(self) -> None:
         """Don't make it, or not again; nothing happens if it was made or cancelled before."""
-        self._agenda.cancel(self)
+        agenda = self._agenda()
+        if agenda is not None:
+            agenda.cancel(self)
 
     def __lt__(self, other: ScheduledCall) -> bool:
-        return (self.due, -self.priority, self._number) < (other.due, -other.priority, other._number)
+        return (self._due, -self._priority, self._number) < (other._due, -other._priority, other._number)
 
     def __repr__(self) -> str:
-        state = f"after step {self.due}" if self.pending else "done"
-        return f"<ScheduledCall of {self._node!r} {state}, priority {self.priority}>"
+        state = f"after step {self._due}" if self.pending else "done"
+        node = self._node()
+        whose = "a node that is gone" if node is None else repr(node)
+        return f"<ScheduledCall of {whose} {state}, priority {self._priority}>"
 
 
 class Agenda:
@@ -48,59 +70,74 @@ class Agenda:
 
     def __init__(self) -> None:
         self._queue: list[ScheduledCall] = []
-        self._of: dict[Any, dict[ScheduledCall, None]] = {}
+        self._of: dict[Any, dict[ScheduledCall, Callback]] = {}
+        self._count = 0
         self._number = 0
 
     def __len__(self) -> int:
-        return sum(map(len, self._of.values()))
+        return self._count
 
     def add(self, node: Any, callback: Callback, delay: int, priority: int, now: int) -> ScheduledCall:
         """Queue a call ``delay`` steps after step ``now``."""
-        call = ScheduledCall(self, node, callback, delay, priority)
+        call = ScheduledCall(self, node, delay, priority)
+        self._of.setdefault(node, {})[call] = callback
+        self._count += 1
         self._queue_up(call, now)
         return call
 
     def _queue_up(self, call: ScheduledCall, now: int) -> None:
         self._number += 1
-        call.due, call._number = now + call.delay, self._number
-        self._of.setdefault(call._node, {})[call] = None
+        call._due, call._number = now + call._delay, self._number
         heapq.heappush(self._queue, call)
 
     def knows(self, call: ScheduledCall) -> bool:
         """Whether it is still waited for."""
-        return call in self._of.get(call._node, ())
+        return call in self._of.get(call._node(), ())
 
     def cancel(self, call: ScheduledCall) -> None:
         """Forget a call."""
-        calls = self._of.get(call._node, {})
-        calls.pop(call, None)
-        if not calls:
-            self._of.pop(call._node, None)
+        node = call._node()
+        calls = self._of.get(node, {})
+        if calls.pop(call, None) is not None:
+            if not calls:
+                del self._of[node]
+            self._count -= 1
+            self._tidy()
 
     def drop(self, node: Any) -> None:
         """Forget all calls of a node."""
-        self._of.pop(node, None)
+        self._count -= len(self._of.pop(node, ()))
+        self._tidy()
+
+    def _tidy(self) -> None:
+        """Take out what was cancelled, once that is most of the queue: it grows else with every call that is."""
+        queue = self._queue
+        if len(queue) - self._count > max(STALE, self._count):
+            queue[:] = [call for call in queue if self.knows(call)]
+            heapq.heapify(queue)
 
     def steps_until_due(self, now: int) -> int | None:
         """How many steps may pass before something is due; None if nothing is."""
         queue = self._queue
         while queue and not self.knows(queue[0]):
             heapq.heappop(queue)
-        return max(queue[0].due - now, 1) if queue else None
+        return max(queue[0]._due - now, 1) if queue else None
 
     def make_due(self, now: int) -> list[Exception]:
         """Make the calls that are due after step ``now``; returns what they raised. All of them are made."""
         errors: list[Exception] = []
         queue = self._queue
-        while queue and queue[0].due <= now:
+        while queue and queue[0]._due <= now:
             call = heapq.heappop(queue)
-            if not self.knows(call):
+            node = call._node()
+            callback = self._of.get(node, {}).get(call)
+            if node is None or callback is None:  # cancelled
                 continue
             again = False
             try:
-                again = call._callback(call._node) is True
+                again = callback(node) is True
             except Exception as error:  # noqa: BLE001 - the others' turn comes first, then it is raised
-                error.add_note(f"raised by a scheduled call of {call._node.describe()} ({call._node.path})")
+                error.add_note(f"raised by a scheduled call of {node.describe()} ({node.path})")
                 errors.append(error)
             except BaseException:
                 self.cancel(call)

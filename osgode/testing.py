@@ -23,16 +23,17 @@ from typing import Any, Self
 
 import numpy as np
 
-from osgode.engine.app import App, AppConfig
+from osgode.engine.app import HEADLESS_RATE, App, AppConfig
 from osgode.engine.clock import HandTime
 from osgode.engine.inputs import InputEvent, MouseMotion, Press, Release, ScriptedInput, Wheel
 from osgode.engine.scene import Scene
-from osgode.errors import FieldError, StateError
+from osgode.errors import FieldError, StateError, shown
 from osgode.fields import number, whole
 from osgode.graph.appearance import Image
 from osgode.graph.node import Node
 from osgode.maths import Vec3Like
 from osgode.nodes.body import Body
+from osgode.render import save_png
 
 COUNT = whole(0, 10**9)
 SECONDS = number(0.0, 1e6)
@@ -41,21 +42,25 @@ SECONDS = number(0.0, 1e6)
 class Play:
     """An App that a script plays: a context manager.
 
-    Time is `HandTime`: a frame takes just what the frame limit of the config says, 1/60 s if there is none.
+    Time is `HandTime`: a frame takes just what the frame limit says, 1/60 s if there is none.
 
     Args:
         scene: as for `App`.
         config: as for `App`; its video mode becomes ``"none"``: nothing is drawn but what `picture` is asked for.
-        **others: as for `App`.
+        **others: ``modules`` of `App`.
+
+    Raises:
+        FieldError: as `App`.
     """
 
     def __init__(self, scene: type[Scene] | Scene, config: AppConfig | None = None, **others: Any) -> None:
         config = AppConfig() if config is None else config
+        if not isinstance(config, AppConfig):
+            raise FieldError(f"Play.config is {shown(config)}; it must be an AppConfig")
         config = replace(config, video=replace(config.video, mode="none"))
-        if config.clock.frame_limit is None:
-            config = replace(config, clock=replace(config.clock, frame_limit=60.0))
+        self._time = HandTime()
         self.input = ScriptedInput()
-        self.app = App(scene, config, timer=HandTime(), source=self.input, **others)
+        self.app = App(scene, config, timer=self._time, source=self.input, **others)
 
     def __enter__(self) -> Self:
         self.app.open()
@@ -91,7 +96,11 @@ class Play:
         self.frames(1)
 
     def look(self, right: float = 0.0, down: float = 0.0) -> None:
-        """Move the mouse so that the camera turns by so many radians in the next frame; the pointer is held for it."""
+        """Move the mouse so that the camera turns by so many radians in the next frame; the pointer is held for it.
+
+        Raises:
+            StateError: if the mouse can't turn anything.
+        """
         events = self.app.events
         events.captured = True
         pixel = events.config.mouse_sensitivity
@@ -100,7 +109,7 @@ class Play:
         self.send(MouseMotion(right / pixel, down / pixel))
 
     def look_at(self, target: Vec3Like) -> None:
-        """Turn the camera to a point of the world at once."""
+        """Turn the camera to a point of the world at once, as `Camera.look_at`."""
         self.scene.camera.look_at(target)
 
     def turn_wheel(self, clicks: float) -> None:
@@ -108,51 +117,67 @@ class Play:
         self.send(Wheel(clicks))
 
     def _input(self, name: str) -> str:
-        return self.app.events.inputs(name)[0]
+        inputs = self.app.events.inputs(name)
+        if not inputs:
+            raise FieldError(f"Play: no key or mouse button is bound to {name!r}")
+        return inputs[0]
 
     # -- time
+
+    def _frame(self, seconds: float | None = None) -> None:
+        """Play one frame, which takes so long."""
+        clock = self.app.clock
+        limit = clock.frame_limit
+        if seconds is None and limit is not None:
+            self.app.cycle()
+            return
+        clock.frame_limit = None
+        try:
+            self._time.advance(1 / HEADLESS_RATE if seconds is None else seconds)
+            self.app.cycle()
+        finally:
+            if clock.frame_limit is None:
+                clock.frame_limit = limit
 
     def frames(self, count: int) -> None:
         """Play so many frames, or until somebody quits."""
         for _ in range(COUNT("Play.frames()", "count", count)):
             if self.app.quitting:
                 return
-            self.app.cycle()
+            self._frame()
 
     def seconds(self, seconds: float) -> None:
         """Play frames for so many seconds."""
-        limit = self.app.clock.frame_limit or 60.0
+        limit = self.app.clock.frame_limit or HEADLESS_RATE
         self.frames(round(SECONDS("Play.seconds()", "seconds", seconds) * limit))
 
     def steps(self, count: int) -> None:
-        """Play frames of one step each, until so many steps have been simulated.
+        """Play frames of one step each, until so many steps have been simulated, or somebody quits.
 
         Raises:
-            StateError: if the simulation stands still.
+            StateError: if the simulation stands still, or comes to do so.
         """
         clock, world = self.app.clock, self.scene.world
-        if clock.paused or clock.speed == 0.0:
-            raise StateError("Play.steps(): the simulation is paused, or its speed is 0")
-        limit = clock.frame_limit
         wanted = world.steps + COUNT("Play.steps()", "count", count)
-        try:
-            while world.steps < wanted and not self.app.quitting:
-                clock.frame_limit = clock.speed / world.step_size
-                self.app.cycle()
-        finally:
-            clock.frame_limit = limit
+        while world.steps < wanted and not self.app.quitting:
+            if clock.paused or clock.speed == 0.0:
+                raise StateError("Play.steps(): the simulation is paused, or its speed is 0")
+            self._frame(world.step_size / clock.speed)
 
     def until(self, condition: Callable[[], object], seconds: float = 10.0) -> float:
         """Play until ``condition()`` is true; returns the seconds that it took.
 
         Raises:
-            AssertionError: if it isn't true after ``seconds``.
+            AssertionError: if it isn't true after ``seconds``, or when somebody quits.
         """
+        limit = SECONDS("Play.until()", "seconds", seconds)
         begin = self.app.clock.elapsed
         while not condition():
-            if self.app.clock.elapsed - begin >= seconds or self.app.quitting:
-                raise AssertionError(f"Play.until(): it wasn't so after {seconds} s")
-            self.app.cycle()
+            passed = self.app.clock.elapsed - begin
+            if passed >= limit or self.app.quitting:
+                why = ", when the App was quit" if self.app.quitting else ""
+                raise AssertionError(f"Play.until(): it wasn't so after {passed:.3f} s{why}")
+            self._frame()
         return self.app.clock.elapsed - begin
 
     # -- what is there
@@ -194,6 +219,7 @@ class Play:
         Raises:
             MissingExtraError: if what draws isn't installed.
         """
+        image = self.app.video.picture(size)
         if path is not None:
-            self.app.video.save_picture(path, size)
-        return self.app.video.picture(size)
+            save_png(image, path)
+        return image

@@ -1,12 +1,14 @@
 """What every test has: numbers that must stay finite, one course of random examples, and nothing left behind in ODE."""
 
 import gc
+import os
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
 import osgode as oo
+from tests.desktop import Desktop, missing_programs
 
 np.seterr(all="raise", under="ignore")  # a NaN that numpy makes is an error; a product too small to matter is 0
 
@@ -49,3 +51,19 @@ def nothing_left(request):
         gc.collect()
         after = _left()
     assert all(now <= then for now, then in zip(after, before, strict=True)), f"left in ODE: {after}"
+
+
+@pytest.fixture(scope="session")
+def desktop(tmp_path_factory):
+    """A screen in memory with a window manager; each worker has its own.
+
+    Who has no such programs goes without; where changes are judged nobody does, unless he refuses packages.
+    """
+    missing = missing_programs()
+    if missing:
+        reason = f"{', '.join(missing)} not found; `tools/setup.sh test` installs what real windows are tested with"
+        if os.environ.get("CI") and not os.environ.get("NO_APT"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    with Desktop(tmp_path_factory.mktemp("desktop")) as made:
+        yield made

@@ -1,4 +1,4 @@
-"""Draws pictures of docs/joints.md and docs/game: ``python tools/gallery.py [name ...]``; needs the extra ``render``."""
+"""Draws pictures of docs/joints.md and docs/game: ``python tools/gallery.py [name ...]``; needs the extra `render`."""
 
 import importlib
 import sys

@@ -2,6 +2,7 @@
 # What `make` needs before it can build: the system's packages, and a virtual environment.
 #
 #   tools/setup.sh system        install what is missing of the packages below, with apt-get where there is one
+#   tools/setup.sh test          the same with what only some tests need, if that is possible without a password
 #   tools/setup.sh venv FOLDER   make the virtual environment, with what building the package needs
 #
 # PYTHON=... chooses the Python; NO_APT=1 leaves the system alone and only checks that a build can work.
@@ -9,6 +10,8 @@ set -euo pipefail
 
 # libode and a compiler build the extension; Mesa draws, with a graphics card or without one.
 PACKAGES=(gcc libc6-dev libode-dev libgl1 libegl1 libgl1-mesa-dri)
+# Real windows are tested on a screen in memory, with a window manager and somebody at its keyboard and mouse.
+TEST_PACKAGES=(xvfb jwm xdotool x11-xkb-utils)
 LOWEST="3.11"
 
 say() { printf '==> %s\n' "$*" >&2; }
@@ -57,29 +60,59 @@ check_without_apt() { # a compiler that finds ODE's headers is all that a build 
     fi
 }
 
+find_missing() { # PACKAGE...: sets `missing` to those that aren't installed
+    local package
+    missing=()
+    for package in "$@"; do
+        is_installed "$package" || missing+=("$package")
+    done
+}
+
+apt_install() { # PACKAGE...: as root, or by `as_root`
+    # A mirror that can't be reached is no reason to stop: what is needed may be known already.
+    "${as_root[@]}" apt-get update -qq || say "apt-get update failed; going on with the lists that are there"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y --no-install-recommends -qq -o Dpkg::Use-Pty=0 "$@" >/dev/null
+}
+
 install_system() {
-    local python package
-    local -a missing=() as_root=() install
+    local python by_hand
+    local -a missing as_root=()
     python=$(find_python)
     if [ -n "${NO_APT:-}" ] || ! command -v apt-get >/dev/null; then
         check_without_apt
         return
     fi
-    for package in "${PACKAGES[@]}" $(python_packages "$python"); do
-        is_installed "$package" || missing+=("$package")
-    done
+    # shellcheck disable=SC2046 # several words are several packages
+    find_missing "${PACKAGES[@]}" $(python_packages "$python")
     [ ${#missing[@]} -gt 0 ] || return 0
 
-    install=(apt-get install -y --no-install-recommends "${missing[@]}")
+    by_hand="    apt-get install -y --no-install-recommends ${missing[*]}"
     if [ "$(id -u)" -ne 0 ]; then
-        command -v sudo >/dev/null || fail "missing: ${missing[*]}" "There is no sudo here; as root, run:" "    ${install[*]}"
+        command -v sudo >/dev/null || fail "missing: ${missing[*]}" "There is no sudo here; as root, run:" "$by_hand"
         as_root=(sudo)
     fi
     say "installing ${missing[*]}"
-    # A mirror that can't be reached is no reason to stop: what is needed may be known already.
-    "${as_root[@]}" apt-get update -qq || say "apt-get update failed; going on with the lists that are there"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive "${install[@]}" -qq -o Dpkg::Use-Pty=0 >/dev/null ||
-        fail "apt-get could not install what is missing; as root, run:" "    ${install[*]}"
+    apt_install "${missing[@]}" || fail "apt-get could not install what is missing; as root, run:" "$by_hand"
+}
+
+install_test() { # never fails: the tests say themselves what they lack
+    local -a missing as_root=()
+    if [ -n "${NO_APT:-}" ] || ! command -v apt-get >/dev/null; then
+        return
+    fi
+    find_missing "${TEST_PACKAGES[@]}"
+    [ ${#missing[@]} -gt 0 ] || return 0
+
+    if [ "$(id -u)" -ne 0 ]; then
+        as_root=(sudo -n)
+        if ! "${as_root[@]}" true 2>/dev/null; then
+            say "to test real windows too, run as root: apt-get install --no-install-recommends ${missing[*]}"
+            return
+        fi
+    fi
+    say "installing ${missing[*]}, to test real windows with"
+    apt_install "${missing[@]}" || say "apt-get could not install ${missing[*]}; real windows will not be tested"
 }
 
 make_venv() { # FOLDER
@@ -101,6 +134,7 @@ END
 cd "$(dirname "$0")/.."
 case "${1:-}" in
     system) install_system ;;
+    test) install_test ;;
     venv) make_venv "${2:?a folder}" ;;
-    *) fail "usage: tools/setup.sh system | venv FOLDER" ;;
+    *) fail "usage: tools/setup.sh system | test | venv FOLDER" ;;
 esac

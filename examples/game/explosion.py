@@ -123,7 +123,7 @@ class Explosion(CompositeObject):
             outward = way.normalized() if way.length > 1e-6 else oo.Vec3(0.0, 1.0, 0.0)
             impulse = self.impulse_at(way.length, area_of(body))
             if impulse > 0.0 and not body.kinematic:
-                body.apply_impulse(((*outward, 0.0, LIFT, 0.0)).normalized() * impulse)
+                body.apply_impulse((outward + oo.Vec3(0.0, LIFT, 0.0)).normalized() * impulse)
                 self.pushed[body] = self.pushed.get(body, 0.0) + impulse
 
     def _show(self) -> None:

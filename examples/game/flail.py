@@ -67,10 +67,15 @@ class Flail(Weapon):
         handle = self.attach(oo.Body(name=f"{name} handle", position=start, rotation=turn))
         handle.attach(oo.Placeable()).attach(
             oo.Capsule(
-                HANDLE_RADIUS, HANDLE_LENGTH - 2 * HANDLE_RADIUS, material="wood", kind="weapon", collides_with=OTHERS, mass=HANDLE_MASS,
+                HANDLE_RADIUS,
+                HANDLE_LENGTH - 2 * HANDLE_RADIUS,
+                material="wood",
+                kind="weapon",
+                collides_with=OTHERS,
+                mass=HANDLE_MASS,
                 shown=_handle(),
             )
-        )  # fmt: skip
+        )
         self.links: list[oo.Body] = []
         self.knots: list[oo.Universal] = []
         """The joints from the handle to the ball."""
@@ -87,7 +92,7 @@ class Flail(Weapon):
                     shown=_link(steel, k),
                 )
             )
-            link.fixed_mass = oo.Mass(LINK_MASS, (0.0, 0.0, 0.0), _round(LINK_MASS * GYRATION**2))
+            link.fixed_mass = oo.Mass(LINK_MASS, oo.Vec3(0.0, 0.0, 0.0), _round(LINK_MASS * GYRATION**2))
             self._join(self.attach(link), before, knot, turn, k)
             self.links.append(link)
             before, knot = link, knot + ahead * LINK_LENGTH
@@ -127,8 +132,8 @@ class Flail(Weapon):
         self.recoil(-line)
 
 
-def _round(moment: float) -> tuple[tuple[float, float, float], ...]:
-    return ((moment, 0.0, 0.0), (0.0, moment, 0.0), (0.0, 0.0, moment))
+def _round(moment: float) -> tuple[oo.Vec3, oo.Vec3, oo.Vec3]:
+    return (oo.Vec3(moment, 0.0, 0.0), oo.Vec3(0.0, moment, 0.0), oo.Vec3(0.0, 0.0, moment))
 
 
 def _handle() -> list[oo.Drawable]:

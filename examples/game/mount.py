@@ -50,7 +50,7 @@ class Mount(ControllableObject):
         super().__init__(name=name)
         self.turn_speed = turn_speed
         turn, foot = oo.Quat.from_yaw_pitch_roll(yaw), oo.Vec3(*position)
-        middle = (*foot, 0.0, HEIGHT, 0.0)
+        middle = foot + oo.Vec3(0.0, HEIGHT, 0.0)
         self.controls.yaw = yaw
         self.fork = self.attach(oo.Body(name=f"{name} fork", position=middle, rotation=turn, kinematic=True))
         self.fork.attach(oo.Leaf(_fork()))

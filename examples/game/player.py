@@ -13,6 +13,8 @@ import numpy as np
 
 import osgode as oo
 from osgode.engine import Controllable, ControllableObject
+from osgode.examples.game.arsenal import Arsenal
+from osgode.examples.game.weapon import Weapon
 from osgode.examples.runner import painted
 
 RADIUS, HEIGHT = 0.3, 1.5
@@ -115,6 +117,8 @@ class Player(ControllableObject):
         self.shoulders: list[oo.Hinge] = []
         for side, label in ((1.0, "right"), (-1.0, "left")):
             self._build_arm(side, label, middle, turn)
+        self.arsenal = Arsenal(self.arms[0], (0.0, 0.0, -ARM / 2))
+        """Its weapons."""
         self.controls.yaw = yaw
         self.ground: oo.Hit | None = None
         """What bears it now."""
@@ -172,8 +176,25 @@ class Player(ControllableObject):
 
     @property
     def weight(self) -> float:
-        """Its mass, kg, with its arms."""
-        return sum(body.mass for body in self.bodies)
+        """Its mass, kg, with its arms and what it holds."""
+        held = self.arsenal.in_hand
+        holding = 0.0 if held is None else sum(body.mass for body in held.bodies)
+        return sum(body.mass for body in self.bodies) + holding
+
+    def pick_up(self, weapon: Weapon) -> bool:
+        """Take a weapon that it came near to; tells whether it did."""
+        return self.arsenal.pick_up(weapon)
+
+    def leave(self) -> None:
+        """Leave the tree with its weapons put away."""
+        if self.in_simulation:
+            self.arsenal.put_away()
+        super().leave()
+
+    def enter(self, parent: oo.Group | None = None, pose: oo.Pose | None = None) -> None:
+        """Come back with the weapon in the hand that was there."""
+        super().enter(parent, pose)
+        self.arsenal.take_out()
 
     # -- what it does in each step
 

@@ -11,7 +11,7 @@ import osgode as oo
 from osgode.engine import CompositeObject
 from osgode.examples.runner import look
 
-SIZE = (1.1, 2.1, 0.06)
+SIZE = (0.94, 2.04, 0.06)
 """Width, height and thickness, metres."""
 MASS = 22.0
 """kg."""

@@ -181,6 +181,16 @@ def concrete() -> Field:
     return lit(picture, fractal(shape, (32, 32), 24, 2) - 2 * pores, 0.07)
 
 
+def asphalt() -> Field:
+    """A road: grit of all greys in dark tar, worn a little paler in places."""
+    shape = (192, 192)
+    worn, grit = fractal(shape, (3, 3), 131, 3), grain(shape, 132)
+    stones = smoothstep(0.05, 0.75, noise(shape, (48, 48), 133))
+    picture = coloured(0.5 + 0.4 * worn, ((0, (58, 58, 60)), (1, (76, 75, 75))))
+    picture = picture * (1 + 0.16 * grit + 0.3 * stones)[..., None]
+    return lit(picture, stones + 0.3 * grit, 0.12)
+
+
 def plaster() -> Field:
     """An off-white wall with the marks of the trowel."""
     shape = (128, 128)
@@ -302,7 +312,7 @@ def paint() -> Field:
 
 TEXTURES: dict[str, Callable[[], Field]] = {
     texture.__name__: texture
-    for texture in (brick, concrete, crate, dirt, grass, paint, planks, plaster, roof, rubber, steel)
+    for texture in (asphalt, brick, concrete, crate, dirt, grass, paint, planks, plaster, roof, rubber, steel)
 }
 """Every texture by name; the file is ``name.png``."""
 

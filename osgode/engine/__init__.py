@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from osgode.engine.aids import Aids, TimingsGraph
 from osgode.engine.app import App, AppConfig
 from osgode.engine.camera import Camera
 from osgode.engine.clock import Accumulator, Clock, ClockConfig, HandTime, RealTime, Timer
 from osgode.engine.composite import CompositeObject, ControllableObject, carrier_of
 from osgode.engine.controllable import Controllable
+from osgode.engine.debug import DebugOverlay
 from osgode.engine.events import BINDINGS, Events, EventsConfig
+from osgode.engine.frametimings import FrameTimings
 from osgode.engine.hud import HudBox, HudElement, HudText, HudWindow
 from osgode.engine.inputs import (
     Focus,
@@ -21,6 +24,7 @@ from osgode.engine.inputs import (
     ScriptedInput,
     Wheel,
 )
+from osgode.engine.inspector import inspect
 from osgode.engine.keys import INPUTS
 from osgode.engine.module import Config, Module
 from osgode.engine.scene import Scene, SceneConfig
@@ -30,6 +34,7 @@ __all__ = [
     "BINDINGS",
     "INPUTS",
     "Accumulator",
+    "Aids",
     "App",
     "AppConfig",
     "Camera",
@@ -39,9 +44,11 @@ __all__ = [
     "Config",
     "Controllable",
     "ControllableObject",
+    "DebugOverlay",
     "Events",
     "EventsConfig",
     "Focus",
+    "FrameTimings",
     "HandTime",
     "HudBox",
     "HudElement",
@@ -60,8 +67,10 @@ __all__ = [
     "SceneConfig",
     "ScriptedInput",
     "Timer",
+    "TimingsGraph",
     "Video",
     "VideoConfig",
     "Wheel",
     "carrier_of",
+    "inspect",
 ]

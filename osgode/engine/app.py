@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self, TypeVar, cast
 
 from osgode.engine.clock import Clock, ClockConfig, HandTime, RealTime, Timer
@@ -14,9 +15,13 @@ from osgode.engine.module import Config, Module
 from osgode.engine.scene import Scene, SceneConfig
 from osgode.engine.video import Video, VideoConfig
 from osgode.errors import FieldError, StateError, shown
+from osgode.fields import optional, whole
 
 EXPECTED = ("clock", "events", "scene", "video")
 """The modules that an App can't do without."""
+FRAMES = optional(whole(0, 10**12))
+HEADLESS_RATE = 60.0
+"""Frames a second of `HandTime` if there is no frame limit: time must pass with them."""
 
 ModuleT = TypeVar("ModuleT", bound=Module)
 
@@ -42,7 +47,8 @@ class App:
         App(Game).run()
 
     With a video mode of ``"offscreen"`` or ``"none"`` time is `HandTime` and input a `ScriptedInput`, unless others are
-    given: it runs as fast as it can, and every run of one script gives the same bits.
+    given: it runs as fast as it can, and every run of one script gives the same bits. Each frame then takes what the
+    frame limit says, 1/60 s if there is none.
 
     Args:
         scene: the class of the scene, or one that is made already.
@@ -50,10 +56,10 @@ class App:
         modules: more modules; they have their turn after the events and before the scene. One that is called as a core
             module takes that one's place.
         timer: where the time comes from.
-        source: where events come from.
+        source: where events come from; with a window, besides those that it has.
 
     Raises:
-        FieldError: for what is no Scene or no Module, and two modules of one name.
+        FieldError: for what is no Scene, no Module or no AppConfig, and two modules of one name.
     """
 
     _current: ClassVar[App | None] = None
@@ -67,19 +73,24 @@ class App:
         timer: Timer | None = None,
         source: InputSource | None = None,
     ) -> None:
-        self.config = config = AppConfig() if config is None else config
+        config = AppConfig() if config is None else config
+        if not isinstance(config, AppConfig):
+            raise FieldError(f"App.config is {shown(config)}; it must be an AppConfig")
+        if timer is None:
+            timer = RealTime() if config.video.mode == "window" else HandTime()
+            if config.video.mode != "window" and config.clock.frame_limit is None:
+                config = replace(config, clock=replace(config.clock, frame_limit=HEADLESS_RATE))
+        self.config = config
         if isinstance(scene, type) and issubclass(scene, Scene):
             made = scene(config.scene)
         elif isinstance(scene, Scene):
             made = scene
         else:
             raise FieldError(f"App.scene is {shown(scene)}; it must be a Scene or a subclass of it")
-        if timer is None:
-            timer = RealTime() if config.video.mode == "window" else HandTime()
         core: list[Module] = [Clock(config.clock, timer), Events(config.events, source), made, Video(config.video)]
         self._modules = _in_order(core, modules)
         self._started: list[Module] = []
-        self._open = False
+        self._open = self._used = False
         self._quit = False
         self.timings: dict[str, float] = {}
         """Seconds that each module took in the last frame, and the parts of the scene and the video."""
@@ -143,21 +154,25 @@ class App:
         return self._open
 
     def open(self) -> Self:
-        """Start all modules, and return self. If one fails, those before it are stopped again.
+        """Start all modules, and return self. If one fails, those before it are stopped again, and it too.
 
         Raises:
-            StateError: if an App is open in this process, or a module lacks one that it needs.
+            StateError: if an App is open in this process, this one has been opened before, or a module lacks one that
+                it needs.
         """
         if App._current is not None:
             raise StateError("App.open(): another App is open in this process; close it first")
+        if self._used:
+            raise StateError("App.open(): this App has been opened before, and its scene is filled; make a new one")
         self._check_needs()
         App._current = self
-        self._open, self._quit = True, False
+        self._open = self._used = True
         try:
             for module in self._modules:
                 self._started.append(module)
                 module._app = self
-                module.start()
+                with _noting(module, "being started"):
+                    module.start()
         except BaseException as error:
             self._stop(error)
             raise
@@ -181,10 +196,14 @@ class App:
             raise StateError("App.cycle(): the App isn't open; use run(), open(), or a with block")
         timings = {}
         for module in self._modules:
+            if not self._open:  # one of them has closed the App
+                break
             before = time.perf_counter()
-            module.cycle()
+            with _noting(module, "having its turn"):
+                module.cycle()
             timings[module.NAME] = time.perf_counter() - before
         self.timings = {**timings, **self.scene.timings, **self.video.timings}
+        self.scene.aids.note(self.timings)
 
     def quit(self) -> None:
         """Let `run` end after this frame."""
@@ -202,11 +221,13 @@ class App:
             frames: how many to do at most; None: no limit.
 
         What a module raises leaves this call when all have been stopped.
+
+        Raises:
+            FieldError: if frames is not a whole number of at least 0.
+            StateError: as `open`.
         """
-        if not self._open:
-            self.open()
+        left = FRAMES("App.run()", "frames", frames)
         with self:
-            left = frames
             while not self._quit and left != 0:
                 self.cycle()
                 if left is not None:
@@ -214,16 +235,17 @@ class App:
 
     def close(self) -> None:
         """Stop all modules in reverse order; closing twice does nothing. All are stopped even if one fails."""
+        self._quit = True
         self._stop(None)
 
     def _stop(self, cause: BaseException | None) -> None:
-        errors: list[Exception] = []
+        errors: list[BaseException] = []
         while self._started:
             module = self._started.pop()
             try:
-                module.stop()
-            except Exception as error:  # noqa: BLE001 - the others have to be stopped too
-                error.add_note(f"while {module.describe()} was being stopped")
+                with _noting(module, "being stopped"):
+                    module.stop()
+            except BaseException as error:  # noqa: BLE001 - the others have to be stopped too
                 errors.append(error)
             finally:
                 module._app = None
@@ -236,13 +258,23 @@ class App:
         elif len(errors) == 1:
             raise errors[0]
         elif errors:
-            raise ExceptionGroup("several modules failed to stop", errors)
+            raise BaseExceptionGroup("several modules failed to stop", errors)
 
     def __enter__(self) -> Self:
         return self if self._open else self.open()
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         self._stop(error)
+
+
+@contextmanager
+def _noting(module: Module, doing: str) -> Iterator[None]:
+    """Note on an error which module raised it, and when."""
+    try:
+        yield
+    except Exception as error:
+        error.add_note(f"while {module.describe()} was {doing}")
+        raise
 
 
 def _in_order(core: list[Module], more: Iterable[Module]) -> list[Module]:

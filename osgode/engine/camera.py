@@ -10,7 +10,9 @@ from osgode.engine.controllable import MOVES, Controllable
 from osgode.errors import FieldError, StateError, shown
 from osgode.fields import POSITION_LIMIT, number, vector
 from osgode.graph.frame import View
-from osgode.maths import Pose, Quat, Vec3, Vec3Like, look_at
+from osgode.maths import Pose, Vec3, Vec3Like
+from osgode.nodes.base import PhysicsNode
+from osgode.nodes.geom import Geom
 from osgode.nodes.hit import Hit
 from osgode.nodes.primitives import Sphere
 from osgode.nodes.spaces import Space
@@ -72,8 +74,9 @@ class Camera(Controllable):
         self.obstacles = obstacles
         self._carrier: ControllableObject | None = None
         self._matching: Matching = "absolute"
-        self._pose = Pose(self.position, self.rotation)
+        self._pose = Pose()
         self._behind = 0.0
+        self._interpolation = 1.0
         self._probe = Sphere(self.CLEARANCE)
 
     # -- settings
@@ -134,23 +137,30 @@ class Camera(Controllable):
 
     @property
     def pose(self) -> Pose:
-        """Where the picture is taken from, as of the last `update`."""
-        return self._pose
+        """Where the picture is taken from: in free flight where it is now, on a carrier as of the last `update`."""
+        return Pose(self._position, self.rotation) if self._carrier is None else self._pose
 
     def view(self) -> View:
-        """What the picture is taken with, as of the last `update`."""
-        return View(self._pose, self._field_of_view, *self._clipping)
+        """What the picture is taken with."""
+        return View(self.pose, self._field_of_view, *self._clipping)
 
     def look_at(self, target: Vec3Like) -> None:
-        """Turn towards a point of the world.
+        """Turn towards a point of the world; with matching ``"delta"`` it is the carrier that turns there.
 
         Raises:
             FieldError: if it stands just there.
         """
-        point = vector(POSITION_LIMIT)("Camera.look_at()", "target", target)
-        if point.distance(self._pose.position if self._carrier else self._position) < 1e-9:
+        way = vector(POSITION_LIMIT)("Camera.look_at()", "target", target) - self._eye
+        if way.length < 1e-9:
             raise FieldError(f"Camera.look_at(): target is {shown(target)}, which is where the camera is")
-        self._turn_to(look_at(self._pose.position if self._carrier else self._position, point).rotation)
+        yaw, pitch = self._angles_towards(way)
+        if self._carrier is not None and self._matching == "delta":
+            old_yaw, old_pitch = self._angles_towards(self.forward)
+            self._carrier.controls.turn(math.remainder(yaw - old_yaw, math.tau), pitch - old_pitch)
+            return
+        self.yaw, self.pitch, self.roll = yaw, pitch, 0.0
+        if self._carrier is not None:
+            self.update(0.0, self._interpolation)
 
     def look(self, right: float, down: float) -> None:
         """Turn by so many radians: what a mouse does."""
@@ -159,11 +169,21 @@ class Camera(Controllable):
         else:
             self.turn(-right, -down)
 
-    def _turn_to(self, rotation: Quat) -> None:
-        forward = rotation.rotate((0.0, 0.0, -1.0))
-        self.yaw = math.atan2(-forward.x, -forward.z)
-        self.pitch = math.asin(min(max(forward.y, -1.0), 1.0))
-        self.roll = 0.0
+    @property
+    def forward(self) -> Vec3:
+        """The direction in which it looks, length 1."""
+        return self.pose.rotation.rotate((0.0, 0.0, -1.0))
+
+    @property
+    def _eye(self) -> Vec3:
+        """What it turns about and aims from: in third person it stands behind that."""
+        return self.pose.position + self.forward * self._behind
+
+    def _angles_towards(self, way: Vec3) -> tuple[float, float]:
+        """Yaw and pitch that look along ``way``; straight up or down the yaw is as it is."""
+        level = math.hypot(way.x, way.z)
+        yaw = math.atan2(-way.x, -way.z) if level > 1e-9 * way.length else self.yaw
+        return yaw, math.atan2(way.y, level)
 
     # -- riding
 
@@ -182,7 +202,7 @@ class Camera(Controllable):
 
         Raises:
             FieldError: if it is no ControllableObject, or there is no such matching.
-            StateError: if it is in no World.
+            StateError: if it is in no World, or has no body.
         """
         if not isinstance(carrier, ControllableObject):
             raise FieldError(f"Camera.ride(): carrier is {shown(carrier)}; it must be a ControllableObject")
@@ -190,6 +210,7 @@ class Camera(Controllable):
             raise FieldError(f"Camera.ride(): matching is {matching!r}; it must be 'absolute' or 'delta'")
         if not carrier.is_live:
             raise StateError(f"Camera.ride(): {carrier.describe()} is in no World; attach it first")
+        _ = carrier.main_body  # or it has no eye
         self.dismount()
         self._carrier = carrier
         self._matching = matching
@@ -208,23 +229,28 @@ class Camera(Controllable):
 
     def dismount(self) -> None:
         """Leave the carrier and fly freely from here, looking the same way; nothing happens if there is none."""
-        carrier, self._carrier = self._carrier, None
+        carrier = self._carrier
         if carrier is None:
             return
-        self.position = self._pose.position
-        self._turn_to(self._pose.rotation)
-        self._behind = 0.0
+        self._position = self._pose.position
+        if self._matching == "delta":
+            self.yaw, self.pitch = self._angles_towards(self.forward)
+            self.roll = 0.0
+        self._carrier, self._behind = None, 0.0
         carrier.left()
+
+    def _lose(self) -> None:
+        """Dismount from what was destroyed."""
+        if self._carrier is not None and not (self._carrier.is_live and self._carrier.bodies):
+            self.dismount()
 
     # -- frames
 
     def steer(self) -> None:
         """Tell the carrier what the camera wants, before the steps of a frame."""
+        self._lose()
         carrier = self._carrier
         if carrier is None:
-            return
-        if not carrier.is_live:  # it was destroyed
-            self.dismount()
             return
         carrier.controls.move(**{name: name in self._moves for name in MOVES})
         if self._matching == "absolute":
@@ -237,13 +263,10 @@ class Camera(Controllable):
             seconds: that the frame took, for free flight.
             interpolation: between the last two steps, as in `World.interpolated_poses`.
         """
-        carrier = self._carrier
-        if carrier is not None and not carrier.is_live:
-            self.dismount()
-            carrier = None
+        self._lose()
+        carrier, self._interpolation = self._carrier, interpolation
         if carrier is None:
             self.position = self._position + self.movement * (self._speed * seconds)
-            self._pose = Pose(self._position, self.rotation)
             return
         eye = carrier.eye_pose(interpolation)
         rotation = self.rotation if self._matching == "absolute" else eye.rotation
@@ -254,14 +277,30 @@ class Camera(Controllable):
 
     def _room_behind(self, eye: Vec3, back: Vec3) -> float:
         """How far it may go back: a small sphere is swept from the eye, so that no wall cuts the near plane."""
-        space = self.obstacles
-        if space is None or not space.is_live:
-            return self._distance
-        hit = space.sweep(self._probe, eye, back * self._distance)
-        return self._distance if hit is None else self._distance * hit.fraction
+        space, passed = self.obstacles, list[Geom]()
+        while space is not None and space.is_live:
+            hit = space.sweep(self._probe, eye, back * self._distance, exclude=passed)
+            if hit is None:
+                break
+            if not hit.geom.sensor:
+                return self._distance * hit.fraction
+            passed.append(hit.geom)
+        return self._distance
+
+    @property
+    def aiming_ray(self) -> tuple[Vec3, Vec3]:
+        """Where the ray through the middle of the picture begins, and its direction of length 1.
+
+        In third person it begins beside the carrier's eye: what is between that and the camera is behind the one who
+        aims.
+        """
+        return self._eye, self.forward
 
     def aim(self, reach: float = 1000.0, **filters: Any) -> Hit | None:
-        """What is in the middle of the picture: the first geom that the camera looks at, its carrier left out.
+        """What is in the middle of the picture: the first geom that the camera looks at, or None.
+
+        Its carrier is left out, and so is, in third person, what stands between camera and eye. Sensors are looked
+        through.
 
         Args:
             reach: metres from the eye.
@@ -272,15 +311,12 @@ class Camera(Controllable):
         """
         if self.world is None:
             raise StateError("Camera.aim(): the camera has no world to aim in; set Camera.world")
-        forward = self.forward
-        exclude = list(filters.pop("exclude", ()))
-        if self._carrier is not None and self._carrier.is_live:
+        given = filters.pop("exclude", ())
+        exclude = [given] if isinstance(given, PhysicsNode) else list(given)
+        if self._carrier is not None and self._carrier.world is self.world:
             exclude.append(self._carrier)
-        # In third person what is between the camera and the eye is behind the one who aims.
-        origin = self._pose.position + forward * self._behind
-        return self.world.cast_ray(origin, forward, reach, exclude=exclude, **filters)
-
-    @property
-    def forward(self) -> Vec3:
-        """The direction in which it looks, length 1."""
-        return self._pose.rotation.rotate((0.0, 0.0, -1.0))
+        while True:
+            hit = self.world.cast_ray(self._eye, self.forward, reach, exclude=exclude, **filters)
+            if hit is None or not hit.geom.sensor:
+                return hit
+            exclude.append(hit.geom)

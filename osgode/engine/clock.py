@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from osgode.engine.module import Config, Module
-from osgode.fields import number, optional
+from osgode.fields import FLAG, number, optional
 
 SPEED = number(0.0, 1000.0)
 FRAME_RATE = optional(number(0.1, 10000.0))
 SECONDS = number(0.0, 1e9)
 SMOOTHED = 0.5
 """Seconds over which the frame rate is averaged."""
+MOST_FRAMES = 1000
+"""That are averaged at most."""
 ALMOST = 1e-6
 """Of a step: what may be missing to a whole one, for rounding."""
 
@@ -74,7 +76,7 @@ class ClockConfig(Config):
         paused: whether it begins standing still.
     """
 
-    CHECKS = {"frame_limit": FRAME_RATE, "speed": SPEED}  # noqa: RUF012 - Config has it as a ClassVar
+    CHECKS = {"frame_limit": FRAME_RATE, "speed": SPEED, "paused": FLAG}  # noqa: RUF012 - Config has it as a ClassVar
 
     frame_limit: float | None = 60.0
     speed: float = 1.0
@@ -96,7 +98,7 @@ class Clock(Module):
         self.timer: Timer = RealTime() if timer is None else timer
         self._limit = config.frame_limit
         self._speed = config.speed
-        self.paused = bool(config.paused)
+        self.paused = config.paused
         """Whether the simulation stands still."""
         self.delta = 0.0
         """Seconds that the last frame took."""
@@ -108,7 +110,7 @@ class Clock(Module):
         """Frames since the start."""
         self._wanted_steps = 0
         self._last = 0.0
-        self._recent: deque[float] = deque()
+        self._recent: deque[float] = deque(maxlen=MOST_FRAMES)
 
     @property
     def frame_limit(self) -> float | None:

@@ -2,30 +2,61 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+import weakref
+from typing import Any, ClassVar, Self
 
 from osgode.engine.controllable import Controllable
-from osgode.errors import StateError, TreeError
+from osgode.errors import FieldError, StateError, TreeError, shown
+from osgode.fields import FLAG, POSITION_LIMIT, ROTATION, vector
 from osgode.graph.node import Group
 from osgode.joints.base import Joint
-from osgode.maths import Pose, Vec3
+from osgode.maths import ZERO, Pose
 from osgode.nodes.base import PhysicsNode, physics_nodes
 from osgode.nodes.body import Body
 from osgode.nodes.geom import Geom
 from osgode.nodes.spaces import SimpleSpace
+
+POSITION = vector(POSITION_LIMIT)
 
 
 class CompositeObject(SimpleSpace):
     """A space whose bodies, joints and scheduled calls are one thing of a game: a car, a door, a weapon.
 
     Subclass it and build the parts in ``__init__``, or attach them. Its first body is what its place is told by.
-    `visible` hides all of it. A new part may come at any time.
+    `visible` hides all of it. Parts may come and go at any time.
     """
 
     def _start(self) -> None:
         super()._start()
-        self._home: Group | None = None
-        self._muted: tuple[Geom, ...] | None = None
+        self._home: weakref.ref[Group] | None = None
+        self._off = False
+        self._muted: dict[Geom, None] = {}
+
+    def copy(self) -> Self:
+        """A new one outside of any World, with copies of its parts and of their joints, but for those to other bodies.
+
+        Attributes of a subclass are taken over: those that are a part, or a list, tuple or dict of parts, are the
+        copy's own; ``__init__`` is not run.
+        """
+        twin = super().copy()
+        parts: dict[int, Any] = {
+            id(node): new for node, new in zip(physics_nodes(self), physics_nodes(twin), strict=True)
+        }
+        inner = [node for node in physics_nodes(self) if isinstance(node, CompositeObject) and node is not self]
+        done = {joint for node in inner for joint in node._own_joints()}  # by their own `copy`
+        for joint in self._own_joints():
+            if joint not in done:
+                parts[id(joint)] = joint.copy(*(parts[id(body)] for body in joint._bodies))
+        twin._off = self._off
+        twin._muted = {parts[id(geom)]: None for geom in self._muted}
+        for name, value in vars(self).items():
+            if name not in vars(twin) and not hasattr(CompositeObject, name):
+                vars(twin)[name] = _translated(value, parts)
+        return twin
+
+    def _own_joints(self) -> list[Joint]:
+        bodies = set(self.bodies)
+        return [joint for joint in self.joints if bodies.issuperset(joint._bodies)]
 
     # -- what it is made of
 
@@ -60,21 +91,38 @@ class CompositeObject(SimpleSpace):
 
     @property
     def collides(self) -> bool:
-        """Whether its geoms meet others; switched off, each is disabled, and switched on, those are enabled again."""
-        return self._muted is None
+        """Whether its geoms meet others.
+
+        Switched off, each geom that is enabled is disabled, also one that comes later; switched on, or taken away from
+        here, these are enabled again, unless another composite object around them is off.
+        """
+        return not self._off
 
     @collides.setter
     def collides(self, value: bool) -> None:
-        if bool(value) == self.collides:
-            return
-        if value:
-            muted, self._muted = self._muted or (), None
-            for geom in muted:
+        self._off = not FLAG(self.describe(), "collides", value)
+        self._mute()
+
+    def _mute(self) -> None:
+        """Disable the geoms that are to be, and enable those that need not be any more."""
+        wanted = dict.fromkeys(self.geoms if self._off else ())
+        for geom in [geom for geom in self._muted if geom not in wanted]:
+            del self._muted[geom]
+            above = (node for node in geom.ancestors if isinstance(node, CompositeObject) and node._off)
+            other = next(above, None)
+            if other is None:
                 geom.enabled = True
-        else:
-            self._muted = tuple(geom for geom in self.geoms if geom.enabled)
-            for geom in self._muted:
+            else:
+                other._muted[geom] = None
+        for geom in wanted:
+            if geom.enabled:
                 geom.enabled = False
+                self._muted[geom] = None
+
+    def _touch(self) -> None:
+        super()._touch()
+        if self._off:  # a part may have come or gone
+            self._mute()
 
     @property
     def recentring(self) -> bool:
@@ -116,7 +164,7 @@ class CompositeObject(SimpleSpace):
         home = self.parent
         if home is not None:
             home.detach(self)
-            self._home = home
+            self._home = weakref.ref(home)
 
     def enter(self, parent: Group | None = None, pose: Pose | None = None) -> None:
         """Come back to where it left, or below ``parent``.
@@ -126,20 +174,27 @@ class CompositeObject(SimpleSpace):
             pose: where its first body shall be; all of it is moved along, see `place`.
 
         Raises:
-            TreeError: if it is in already, or there is no place to come back to.
+            TreeError: if it is in already, or there is no place to come back to; nothing is changed then.
+            FieldError: for a pose that is none; nothing is changed then.
         """
-        home = self._home if parent is None else parent
+        name = f"{self.describe()}.enter()"
+        home = parent
         if home is None:
-            raise TreeError(f"{self.describe()}.enter(): it has not stood anywhere yet; say which parent")
+            home = None if self._home is None else self._home()
+        if home is None:
+            gone = "it has not left anywhere yet" if self._home is None else "what it stood under is gone"
+            raise TreeError(f"{name}: {gone}; say which parent")
+        if not isinstance(home, Group):
+            raise TreeError(f"{name}: {shown(home)} is no Group")
         if self.parent is not None:
-            raise TreeError(f"{self.describe()}.enter(): it stands under {self.parent.describe()} already")
+            raise TreeError(f"{name}: it stands under {self.parent.describe()} already")
         before = [(body, body.pose, body.linear_velocity, body.angular_velocity) for body in self.bodies]
         if pose is not None:
             self.place(pose)
         try:
             home.attach(self)
         except BaseException:
-            for body, old, linear, angular in before:
+            for body, old, linear, angular in before if pose is not None else ():
                 body.position, body.rotation = old
                 body.linear_velocity, body.angular_velocity = linear, angular
             raise
@@ -154,16 +209,29 @@ class CompositeObject(SimpleSpace):
         """Put its first body there, and all others where they then are as seen from it.
 
         Joints between its bodies keep their angles, and velocities are turned along, or are none ``at_rest``. Joints to
-        others are strained. Nothing is looked at that stands in the way.
+        others, and to the static world, are strained, and geometry that is in no body stays. Nothing is looked at that
+        stands in the way.
+
+        Raises:
+            FieldError: for a pose that is none, or that puts a body out of bounds; nothing is changed then.
+            StateError: if it has no body.
         """
+        name = f"{self.describe()}.place()"
+        try:
+            position, rotation = pose
+        except (TypeError, ValueError) as error:
+            raise FieldError(f"{name}: pose is {shown(pose)}; it must be a Pose") from error
+        wanted = Pose(POSITION(name, "pose.position", position), ROTATION(name, "pose.rotation", rotation))
         first = self.main_body.pose
-        turn = pose.rotation * first.rotation.conjugate()
-        motion = Pose(pose.position - turn.rotate(first.position), turn)
-        for body in self.bodies:
+        turn = wanted.rotation * first.rotation.conjugate()
+        motion = Pose(wanted.position - turn.rotate(first.position), turn)
+        moved = [(body, motion * body.pose) for body in self.bodies]
+        for body, new in moved:
+            POSITION(body.describe(), "position", new.position)
+        for body, new in moved:
             linear, angular = turn.rotate(body.linear_velocity), turn.rotate(body.angular_velocity)
-            body.position, body.rotation = motion * body.pose
-            still = Vec3(0.0, 0.0, 0.0)
-            body.linear_velocity, body.angular_velocity = (still, still) if at_rest else (linear, angular)
+            body.position, body.rotation = new
+            body.linear_velocity, body.angular_velocity = (ZERO, ZERO) if at_rest else (linear, angular)
 
 
 class ControllableObject(CompositeObject):
@@ -204,6 +272,15 @@ class ControllableObject(CompositeObject):
     def _entered(self) -> None:
         super()._entered()
         self.schedule(_control, priority=self.CONTROL_PRIORITY)
+
+
+def _translated(value: Any, parts: dict[int, Any]) -> Any:
+    """What a copy has as an attribute: its own part instead of that of the original, also in a list, tuple or dict."""
+    if isinstance(value, dict):
+        return {key: parts.get(id(part), part) for key, part in value.items()}
+    if type(value) in (list, tuple, set):
+        return type(value)(parts.get(id(part), part) for part in value)
+    return parts.get(id(value), value)
 
 
 def _control(thing: ControllableObject) -> bool:

@@ -66,8 +66,7 @@ class Controllable:
             )
         return (low, high)
 
-    def _set(self, name: str, value: float) -> None:
-        angle = ANGLE(type(self).__name__, name, value)
+    def _set(self, name: str, angle: float) -> None:
         limits = self._limits[name]
         angle = math.remainder(angle, math.tau) if limits is None else min(max(angle, limits[0]), limits[1])
         self._angles[name] = angle
@@ -79,7 +78,7 @@ class Controllable:
 
     @yaw.setter
     def yaw(self, value: float) -> None:
-        self._set("yaw", value)
+        self._set("yaw", ANGLE(type(self).__name__, "yaw", value))
 
     @property
     def pitch(self) -> float:
@@ -88,7 +87,7 @@ class Controllable:
 
     @pitch.setter
     def pitch(self, value: float) -> None:
-        self._set("pitch", value)
+        self._set("pitch", ANGLE(type(self).__name__, "pitch", value))
 
     @property
     def roll(self) -> float:
@@ -97,13 +96,18 @@ class Controllable:
 
     @roll.setter
     def roll(self, value: float) -> None:
-        self._set("roll", value)
+        self._set("roll", ANGLE(type(self).__name__, "roll", value))
 
     def turn(self, yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0) -> None:
-        """Add to the angles, within their limits."""
-        self.yaw += yaw
-        self.pitch += pitch
-        self.roll += roll
+        """Add to the angles, within their limits.
+
+        Raises:
+            FieldError: for what is no angle; nothing is turned then.
+        """
+        name = f"{type(self).__name__}.turn()"
+        by = {key: ANGLE(name, key, value) for key, value in (("yaw", yaw), ("pitch", pitch), ("roll", roll))}
+        for key, angle in by.items():
+            self._set(key, self._angles[key] + angle)
 
     @property
     def rotation(self) -> Quat:

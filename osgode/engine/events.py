@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TypeAlias
 
 from osgode.engine.inputs import (
@@ -21,7 +22,8 @@ from osgode.engine.inputs import (
 from osgode.engine.keys import INPUTS
 from osgode.engine.module import Config, Module
 from osgode.errors import FieldError, shown
-from osgode.fields import number
+from osgode.fields import FLAG, number
+from osgode.nodes.listeners import raise_all
 
 Bindings: TypeAlias = Mapping[str, str | Iterable[str]]
 
@@ -58,7 +60,7 @@ class EventsConfig(Config):
         capture: whether the pointer is held from the start, for looking around.
     """
 
-    CHECKS = {"mouse_sensitivity": number(0.0, 10.0)}  # noqa: RUF012 - Config has it as a ClassVar
+    CHECKS = {"mouse_sensitivity": number(0.0, 10.0), "capture": FLAG}  # noqa: RUF012 - Config has it as a ClassVar
 
     bindings: Bindings = field(default_factory=dict)
     mouse_sensitivity: float = 0.0025
@@ -74,14 +76,14 @@ class Events(Module):
 
     Args:
         config: its settings.
-        source: where events come from; a `ScriptedInput` if not given. `Video` puts its window in its place.
+        source: where events come from; a `ScriptedInput` if not given. `Video` adds those of its window.
     """
 
     NAME = "events"
 
     def __init__(self, config: EventsConfig | None = None, source: InputSource | None = None) -> None:
         self.config = config = EventsConfig() if config is None else config
-        self.source: InputSource = ScriptedInput() if source is None else source
+        self._source: InputSource = ScriptedInput() if source is None else source
         self._bindings: dict[str, tuple[str, ...]] = dict(BINDINGS)
         for action, inputs in config.bindings.items():
             self.bind(action, inputs)
@@ -91,6 +93,7 @@ class Events(Module):
         self._press_listeners: dict[str, list[Callable[[], object]]] = {}
         self._listeners: list[Callable[[InputEvent], object]] = []
         self._captured = False
+        self._look = (0.0, 0.0)
         self.focused = True
         """Whether the window has the keyboard."""
         self.mouse_motion = (0.0, 0.0)
@@ -113,9 +116,15 @@ class Events(Module):
         Raises:
             FieldError: for a key or button that there isn't, or an action that is called like one.
         """
-        names = (inputs,) if isinstance(inputs, str) else tuple(inputs)
         if not isinstance(action, str) or not action or action in INPUTS:
-            raise FieldError(f"Events.bind(): {shown(action)} can't be an action: it is empty or the name of a key")
+            raise FieldError(
+                f"Events.bind(): {shown(action)} can't be an action; it must be a word that is no key's or button's"
+            )
+        if not isinstance(inputs, Iterable):
+            raise FieldError(
+                f"Events.bind({action!r}): {shown(inputs)} must be the name of a key or button, or several"
+            )
+        names = (inputs,) if isinstance(inputs, str) else tuple(inputs)
         for name in names:
             _check_input(f"Events.bind({action!r})", name)
         self._bindings[action] = names
@@ -126,10 +135,9 @@ class Events(Module):
         Raises:
             FieldError: for an unknown name.
         """
-        found = self._bindings.get(name)
+        found = self._bindings.get(name) if isinstance(name, str) else None
         if found is None:
-            if name not in INPUTS:
-                _check_input("Events", name, self._bindings)
+            _check_input("Events", name, self._bindings)
             found = (name,)
         return found
 
@@ -154,41 +162,64 @@ class Events(Module):
     @property
     def look(self) -> tuple[float, float]:
         """What the mouse means for a camera in this frame: radians to the right and down; 0 unless it is held."""
-        if not self._captured:
-            return (0.0, 0.0)
-        dx, dy = self.mouse_motion
+        dx, dy = self._look
         return (dx * self.config.mouse_sensitivity, dy * self.config.mouse_sensitivity)
 
     # -- the pointer
 
     @property
+    def source(self) -> InputSource:
+        """Where events come from; another one takes over the pointer if it is held."""
+        return self._source
+
+    @source.setter
+    def source(self, value: InputSource) -> None:
+        if value is not self._source:
+            if self._captured:
+                self._source.capture(wanted=False)
+            self._source = value
+            if self._captured:
+                value.capture(self.focused)
+
+    @property
     def captured(self) -> bool:
-        """Whether the pointer is held: hidden, within the window, for looking around."""
+        """Whether the pointer is held: hidden, within the window, for looking around.
+
+        While the window lacks the keyboard the pointer is free, and held again when that is back.
+        """
         return self._captured
 
     @captured.setter
     def captured(self, value: bool) -> None:
-        self._captured = bool(value)
-        self.source.capture(self._captured and self.focused)
+        self._captured = FLAG("Events", "captured", value)
+        self._source.capture(self._captured and self.focused)
 
     # -- who is told
 
     def on_press(self, name: str) -> Callable[[Callable[[], object]], Callable[[], object]]:
         """A decorator: have a function called when an action, key or button goes down.
 
+        What a listener raises leaves `cycle` when everything has been taken in, and all others have heard.
+
         Raises:
-            FieldError: for an unknown name.
+            FieldError: for an unknown name, or what can't be called.
         """
         self.inputs(name)
 
         def register(listener: Callable[[], object]) -> Callable[[], object]:
+            _check_callable(f"Events.on_press({name!r})", listener)
             self._press_listeners.setdefault(name, []).append(listener)
             return listener
 
         return register
 
     def on_event(self, listener: Callable[[InputEvent], object]) -> Callable[[InputEvent], object]:
-        """Have ``listener(event)`` called with every event; usable as a decorator."""
+        """Have ``listener(event)`` called with every event, after the event has been taken in; usable as a decorator.
+
+        Raises:
+            FieldError: for what can't be called.
+        """
+        _check_callable("Events.on_event()", listener)
         self._listeners.append(listener)
         return listener
 
@@ -200,27 +231,43 @@ class Events(Module):
             self.captured = True
 
     def stop(self) -> None:
-        """Let the pointer go."""
+        """Let everything go."""
         if self._captured:
             self.captured = False
+        self._held.clear()
 
     def cycle(self) -> None:
-        """Take in what has happened since the last frame."""
+        """Take in what has happened since the last frame, and tell the listeners."""
         self._pressed, self._released = set(), set()
         self.mouse_motion, self.wheel = (0.0, 0.0), 0.0
-        for event in self.source.poll():
-            self._take(event)
-            for hear in tuple(self._listeners):
-                hear(event)
+        self._look = (0.0, 0.0)
+        errors: list[Exception] = []
+        for event in self._source.poll():
+            if isinstance(event, Focus) and not event.gained:  # nobody will tell when the keys come up
+                for name in tuple(self._held):
+                    self._happen(Release(name), errors)
+            self._happen(event, errors)
+        raise_all("several listeners of events failed", errors)
+
+    def _happen(self, event: InputEvent, errors: list[Exception]) -> None:
+        calls = self._press(event.name) if isinstance(event, Press) else []
+        calls += [partial(listener, event) for listener in self._listeners]
+        self._take(event)
+        for hear in calls:
+            try:
+                hear()
+            except Exception as error:  # noqa: BLE001 - a release that isn't taken in would leave a key held
+                error.add_note(f"raised by a listener of Events, which heard {event}")
+                errors.append(error)
 
     def _take(self, event: InputEvent) -> None:
-        if isinstance(event, Press):
-            self._press(event.name)
-        elif isinstance(event, Release):
+        if isinstance(event, Release):
             self._let_go(event.name)
         elif isinstance(event, MouseMotion):
             self.mouse_motion = (self.mouse_motion[0] + event.dx, self.mouse_motion[1] + event.dy)
-            if not self._captured:
+            if self._captured and self.focused:
+                self._look = (self._look[0] + event.dx, self._look[1] + event.dy)
+            else:
                 self.mouse_position = (event.x, event.y)
         elif isinstance(event, Wheel):
             self.wheel += event.clicks
@@ -229,23 +276,19 @@ class Events(Module):
         elif isinstance(event, Quit) and self._app is not None:
             self._app.quit()
 
-    def _press(self, name: str) -> None:
+    def _press(self, name: str) -> list[Callable[[], object]]:
+        """Note that it is down; who is to be told of that."""
         if name in self._held:  # a key that repeats, or that of a second keyboard
-            return
+            return []
         self._held[name] = None
         self._pressed.add(name)
-        for action, listeners in tuple(self._press_listeners.items()):
-            if name in self.inputs(action):
-                for hear in tuple(listeners):
-                    hear()
+        told = (listeners for action, listeners in self._press_listeners.items() if name in self.inputs(action))
+        return [listener for listeners in told for listener in listeners]
 
     def _take_focus(self, gained: bool) -> None:
         self.focused = gained
-        if not gained:  # nobody will tell when the keys come up
-            for name in tuple(self._held):
-                self._let_go(name)
         if self._captured:
-            self.source.capture(gained)
+            self._source.capture(gained)
 
     def _let_go(self, name: str) -> None:
         if name in self._held:
@@ -254,8 +297,13 @@ class Events(Module):
 
 
 def _check_input(call: str, name: object, actions: Iterable[str] = ()) -> None:
-    if name in INPUTS:
+    if isinstance(name, str) and name in INPUTS:
         return
     close = difflib.get_close_matches(str(name), [*actions, *sorted(INPUTS)], 1)
     hint = f"did you mean {close[0]!r}?" if close else "see osgode.engine.INPUTS"
     raise FieldError(f"{call}: {shown(name)} is no {'action, ' if actions else ''}key or mouse button; {hint}")
+
+
+def _check_callable(call: str, listener: object) -> None:
+    if not callable(listener):
+        raise FieldError(f"{call}: listener is {shown(listener)}; it must be callable")

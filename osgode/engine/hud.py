@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from osgode.errors import FieldError
-from osgode.fields import Check, number, whole
+from osgode.errors import FieldError, shown
+from osgode.fields import FLAG, Check, number, optional, whole
 from osgode.graph.appearance import Texture
 from osgode.graph.frame import Rectangle, Text
 from osgode.graph.projection import Area, OverlayItem, OverlayNode
@@ -27,11 +27,13 @@ ANCHORS: dict[str, tuple[float, float]] = {
 """Names of points of an area, in parts of its width and height."""
 
 OFFSET = number(-1e6, 1e6)
-LENGTH = number(0.0, 1e6)
+LENGTH = optional(number(0.0, 1e6))
 TEXT_SIZE = whole(1, 1000)
 
 
 def _colour(value: Any) -> Colour:
+    if isinstance(value, str | bytes):
+        raise TypeError
     red, green, blue, *rest = map(float, value)
     (alpha,) = rest or (1.0,)
     if not all(0.0 <= part <= 1.0 for part in (red, green, blue, alpha)):
@@ -49,7 +51,7 @@ class HudElement(OverlayNode):
         anchor: the point of the area above it that it is fixed to, and the point of itself that lies there: one of
             `ANCHORS`.
         x, y: how far from there it is moved to the right and down.
-        width, height: its size; 0 for all that is above it.
+        width, height: its size; None for all of the area above it.
         name: for messages and paths.
         visible: whether it, and what is below it, is drawn.
 
@@ -63,8 +65,8 @@ class HudElement(OverlayNode):
         *,
         x: float = 0.0,
         y: float = 0.0,
-        width: float = 0.0,
-        height: float = 0.0,
+        width: float | None = None,
+        height: float | None = None,
         name: str = "",
         visible: bool = True,
     ) -> None:
@@ -80,8 +82,8 @@ class HudElement(OverlayNode):
 
     @anchor.setter
     def anchor(self, value: str) -> None:
-        if value not in ANCHORS:
-            raise FieldError(f"{self.describe()}.anchor is {value!r}; it must be one of {', '.join(ANCHORS)}")
+        if not isinstance(value, str) or value not in ANCHORS:
+            raise FieldError(f"{self.describe()}.anchor is {shown(value)}; it must be one of {', '.join(ANCHORS)}")
         self._anchor = value
 
     @property
@@ -93,21 +95,21 @@ class HudElement(OverlayNode):
         """Put it so far from its anchor, to the right and down.
 
         Raises:
-            FieldError: for numbers that aren't finite.
+            FieldError: for numbers that aren't finite; nothing is changed then.
         """
         name = self.describe()
         self._offset = OFFSET(name, "x", x), OFFSET(name, "y", y)
 
     @property
-    def size(self) -> tuple[float, float]:
-        """Width and height; 0 for all that is above it."""
+    def size(self) -> tuple[float | None, float | None]:
+        """Width and height; None for all of the area above it."""
         return self._size
 
-    def resize(self, width: float, height: float) -> None:
-        """Give it another size; 0 for all that is above it.
+    def resize(self, width: float | None, height: float | None) -> None:
+        """Give it another size; None for all of the area above it.
 
         Raises:
-            FieldError: for numbers below 0.
+            FieldError: for numbers below 0; nothing is changed then.
         """
         name = self.describe()
         self._size = LENGTH(name, "width", width), LENGTH(name, "height", height)
@@ -115,7 +117,8 @@ class HudElement(OverlayNode):
     def area(self, outer: Area) -> Area:
         """Where it is."""
         across, down = ANCHORS[self._anchor]
-        width, height = self._size[0] or outer.width, self._size[1] or outer.height
+        width = outer.width if self._size[0] is None else self._size[0]
+        height = outer.height if self._size[1] is None else self._size[1]
         x = outer.x + across * (outer.width - width) + self._offset[0]
         return Area(x, outer.y + down * (outer.height - height) + self._offset[1], width, height)
 
@@ -151,6 +154,17 @@ class HudBox(HudElement):
     def colour(self, value: Sequence[float]) -> None:
         self._colour = COLOUR(self.describe(), "colour", value)
 
+    @property
+    def texture(self) -> Texture | None:
+        """An image, multiplied with the colour; None for none."""
+        return self._texture
+
+    @texture.setter
+    def texture(self, value: Texture | None) -> None:
+        if value is not None and not isinstance(value, Texture):
+            raise FieldError(f"{self.describe()}.texture is {shown(value)}; it must be a Texture or None")
+        self._texture = value
+
     def overlay_items(self, area: Area) -> Sequence[OverlayItem]:
         """The rectangle."""
         return (Rectangle(*area, self._colour, self.texture),)
@@ -182,7 +196,7 @@ class HudText(HudElement):
         self.text = text
         self.text_size = size
         self.colour = colour
-        self.shadow = bool(shadow)
+        self.shadow = FLAG(self.describe(), "shadow", shadow)
 
     @property
     def text(self) -> str:
@@ -226,7 +240,7 @@ class HudText(HudElement):
 class HudWindow(HudElement):
     """A window in the picture: a half transparent box with a border, a title, and a body of text.
 
-    What is attached to it is laid out within its border, below the title.
+    What is attached to it is laid out within its border and margin, below the title.
 
     Args:
         title: of its bar; without one it has no bar.
@@ -239,6 +253,7 @@ class HudWindow(HudElement):
     """
 
     MARGIN = 10.0
+    EDGE = 2.0
 
     def __init__(
         self,
@@ -254,21 +269,45 @@ class HudWindow(HudElement):
         **place: Any,
     ) -> None:
         super().__init__(anchor, width=width, height=height, **place)
-        self.title = str(title)
-        self.text = str(text)
+        self.title = title
+        self.text = text
         name = self.describe()
         self._text_size = TEXT_SIZE(name, "text_size", text_size)
         self._colour = COLOUR(name, "colour", colour)
         self._border = COLOUR(name, "border", border)
 
     @property
+    def title(self) -> str:
+        """What its bar says; without a title it has no bar."""
+        return self._title
+
+    @title.setter
+    def title(self, value: str) -> None:
+        self._title = str(value)
+
+    @property
+    def text(self) -> str:
+        """What stands in it."""
+        return self._text
+
+    @text.setter
+    def text(self, value: str) -> None:
+        self._text = str(value)
+
+    @property
     def _bar(self) -> float:
         return 1.7 * self._text_size if self.title else 0.0
+
+    def inner_area(self, area: Area) -> Area:
+        """Within the border and the margin, below the title."""
+        margin, bar = self.MARGIN, self._bar
+        width, height = area.width - 2 * margin, area.height - bar - 2 * margin
+        return Area(area.x + margin, area.y + bar + margin, max(width, 0.0), max(height, 0.0))
 
     def overlay_items(self, area: Area) -> Sequence[OverlayItem]:
         """Ground, border, title and text."""
         x, y, width, height = area
-        bar, edge = self._bar, 2.0
+        bar, edge = self._bar, self.EDGE
         items: list[OverlayItem] = [Rectangle(x, y, width, height, self._colour)]
         sides = (
             (x, y, width, edge),

@@ -104,20 +104,29 @@ class ScriptedInput:
 class WindowInput:
     """The events of a window.
 
+    The first of all tells whether the window has the keyboard.
+
     Args:
         window: that is asked for them.
+        beside: more events, which follow those of the window in each frame.
     """
 
-    def __init__(self, window: Window) -> None:
+    def __init__(self, window: Window, beside: InputSource | None = None) -> None:
         self._window = window
+        self.beside = beside
+        """Where the other events come from."""
+        self._captured = False
+        self._place = (0, 0)
+        self._told_focus = False
         self._pygame = pg = importlib.import_module("pygame")
+        pg.key.stop_text_input()  # an input method would keep keys for itself
         self._convert: dict[int, Callable[[Any], InputEvent | None]] = {
             pg.KEYDOWN: lambda raw: _named(Press, KEY_NAMES, raw.scancode),
             pg.KEYUP: lambda raw: _named(Release, KEY_NAMES, raw.scancode),
             pg.MOUSEBUTTONDOWN: lambda raw: _named(Press, BUTTON_NAMES, raw.button),
             pg.MOUSEBUTTONUP: lambda raw: _named(Release, BUTTON_NAMES, raw.button),
             pg.MOUSEMOTION: lambda raw: MouseMotion(*raw.rel, *raw.pos),
-            pg.MOUSEWHEEL: lambda raw: Wheel(raw.precise_y),
+            pg.MOUSEWHEEL: lambda raw: Wheel(raw.precise_y) if raw.precise_y else None,  # sideways: no name for it
             pg.WINDOWSIZECHANGED: lambda raw: Resize(raw.x, raw.y),
             pg.WINDOWFOCUSGAINED: lambda _: Focus(gained=True),
             pg.WINDOWFOCUSLOST: lambda _: Focus(gained=False),
@@ -126,18 +135,33 @@ class WindowInput:
 
     def poll(self) -> list[InputEvent]:
         """What has happened since the last call."""
+        events: list[InputEvent | None] = []
+        if not self._told_focus:
+            self._told_focus = True
+            events.append(Focus(gained=self._window.focused))
         known = ((self._convert.get(raw.type), raw) for raw in self._window.pump())
-        events = (convert(raw) for convert, raw in known if convert is not None)
+        events += (convert(raw) for convert, raw in known if convert is not None)
+        if self.beside is not None:
+            events += self.beside.poll()
         return [event for event in events if event is not None]
 
     def capture(self, wanted: bool) -> None:
-        """Hold the pointer, or let it go."""
-        pg = self._pygame
-        pg.event.set_grab(wanted)
-        pg.mouse.set_visible(not wanted)
-        pg.mouse.set_relative_mode(wanted)
-        pg.event.clear(pg.MOUSEMOTION)  # the jump that this may cause is no look
-        pg.mouse.get_rel()
+        """Hold the pointer, or let it go where it was; in the middle if it wasn't in the window."""
+        if self.beside is not None:
+            self.beside.capture(wanted)
+        if wanted == self._captured:
+            return
+        self._captured = wanted
+        mouse = self._pygame.mouse
+        if wanted:
+            width, height = self._window.size
+            middle = (width // 2, height // 2)
+            self._place = mouse.get_pos() if mouse.get_focused() else middle
+            mouse.set_relative_mode(True)
+            mouse.set_pos(middle)  # else SDL may take the first motion for one to a first place, and no distance
+        else:
+            mouse.set_pos(self._place)
+            mouse.set_relative_mode(False)
 
 
 def _named(kind: type[Press | Release], names: dict[int, str], number: int) -> InputEvent | None:

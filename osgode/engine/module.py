@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -23,10 +24,12 @@ class Config:
         for name, check in self.CHECKS.items():
             object.__setattr__(self, name, check(type(self).__name__, name, getattr(self, name)))
         for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(field.default_factory, type) and not isinstance(value, field.default_factory):
-                wanted = field.default_factory.__name__
-                raise FieldError(f"{type(self).__name__}.{field.name} is {shown(value)}; it must be a {wanted}")
+            value, kind = getattr(self, field.name), field.default_factory
+            wanted = Mapping if kind is dict else kind
+            if isinstance(wanted, type) and not isinstance(value, wanted):
+                raise FieldError(
+                    f"{type(self).__name__}.{field.name} is {shown(value)}; it must be a {wanted.__name__}"
+                )
 
 
 class Module:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 
+from osgode.engine.aids import Aids
 from osgode.engine.camera import Camera
 from osgode.engine.clock import Accumulator, Clock
 from osgode.engine.controllable import MOVES
@@ -17,6 +18,7 @@ from osgode.graph.node import Group
 from osgode.graph.projection import Projection
 from osgode.graph.visitors import UpdateVisitor
 from osgode.maths import Vec3Like
+from osgode.nodes.exports import StepTimings
 from osgode.nodes.spaces import HashSpace, SimpleSpace
 from osgode.nodes.world import World
 
@@ -80,7 +82,10 @@ class Scene(Module):
         self.camera = Camera(world=self.world, obstacles=self.static)
         self.sun, self.sky = config.sun, config.sky
         self.accumulator = Accumulator(config.max_steps)
+        self.aids = Aids(self)
+        """Debug overlay, inspector, timings: off until somebody wants them."""
         self._interpolation = 1.0
+        self._held_moves = dict.fromkeys(MOVES, False)
         self.timings: dict[str, float] = {}
         """Seconds that the parts of the last frame took."""
         self._update = UpdateVisitor(self.root)
@@ -158,14 +163,19 @@ class Scene(Module):
 
     def advance(self, steps: int) -> None:
         """Simulate so many steps, each after `before_step`."""
+        aids = self.aids
+        aids.step = StepTimings()
         for _ in range(steps):
             self.before_step()
             self.world.step()
+            if aids.inspecting:
+                aids.step += self.world.timings
 
     def update(self) -> None:
         """Get ready for a picture: move the camera, and call what was registered with `Node.on_update`."""
         self.move_camera()
         self._update.update()
+        self.aids.update()
 
     def frame(self, size: tuple[int, int]) -> Frame:
         """The picture of ``size`` pixels, described."""
@@ -177,12 +187,25 @@ class Scene(Module):
     # -- keys
 
     def steer(self) -> None:
-        """Turn the camera by the mouse and move it by the keys; a game may do otherwise."""
+        """Turn the camera by the mouse and move it by the keys; a game may do otherwise.
+
+        The camera is told of keys that went down or came up since the last frame, so what a program wishes by
+        `Camera.move` stays as long as no key says otherwise.
+        """
         right, down = self.events.look
         if right or down:
             self.camera.look(right, down)
-        self.camera.move(**{name: self.events.held(name) for name in MOVES})
+        held = {name: self.events.held(name) for name in MOVES}
+        self.camera.move(**{name: down for name, down in held.items() if down != self._held_moves[name]})
+        self._held_moves = held
         self.camera.steer()
+
+    def attach(self) -> None:
+        """Leave the carrier, or ride what is aimed at: what the key of that name does; a game may do otherwise."""
+        if self.camera.carrier is not None:
+            self.camera.dismount()
+        else:
+            self.camera.ride_what_is_aimed_at()
 
     def move_camera(self) -> None:
         """Take the camera to where this frame's picture is taken from, after its steps; a game may do otherwise."""
@@ -190,7 +213,12 @@ class Scene(Module):
 
     def bind_actions(self) -> None:
         """Let the actions that every game has do what they are called; a game may leave some out, or add its own."""
-        events, clock, camera = self.events, self.clock, self.camera
+        self._bind_time()
+        self._bind_view()
+        self.events.on_press("quit")(self.app.quit)
+
+    def _bind_time(self) -> None:
+        events, clock = self.events, self.clock
 
         @events.on_press("pause")
         def pause() -> None:
@@ -200,18 +228,16 @@ class Scene(Module):
 
         @events.on_press("slower")
         def slower() -> None:
-            clock.speed = max(clock.speed / 2, SLOWEST)
+            clock.speed = min(clock.speed, max(clock.speed / 2, SLOWEST))
 
         @events.on_press("faster")
         def faster() -> None:
-            clock.speed = min(clock.speed * 2, FASTEST)
+            clock.speed = max(clock.speed, min(max(clock.speed * 2, SLOWEST), FASTEST))
 
-        @events.on_press("attach")
-        def attach() -> None:
-            if camera.carrier is not None:
-                camera.dismount()
-            else:
-                camera.ride_what_is_aimed_at()
+    def _bind_view(self) -> None:
+        events, camera, aids = self.events, self.camera, self.aids
+
+        events.on_press("attach")(self.attach)
 
         @events.on_press("third_person")
         def third_person() -> None:
@@ -221,8 +247,14 @@ class Scene(Module):
         def release_mouse() -> None:
             events.captured = not events.captured
 
+        @events.on_press("debug")
+        def debug() -> None:
+            aids.debugging = not aids.debugging
+
+        @events.on_press("inspect")
+        def inspect() -> None:
+            aids.inspecting = not aids.inspecting
+
         @events.on_press("full_screen")
         def full_screen() -> None:
             self.app.video.full_screen = not self.app.video.full_screen
-
-        events.on_press("quit")(self.app.quit)

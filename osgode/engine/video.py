@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
@@ -82,6 +83,7 @@ class Video(Module):
         """Seconds that drawing the last frame took."""
         self._full_screen = False
         self._painter: OffscreenDrawer | None = None
+        self._input: WindowInput | None = None
 
     @property
     def scene(self) -> Scene:
@@ -96,31 +98,35 @@ class Video(Module):
     @property
     def full_screen(self) -> bool:
         """Whether the window takes the whole screen; without a window it is noted and changes nothing."""
-        return self._full_screen
+        return self._full_screen if self.window is None else self.window.full_screen
 
     @full_screen.setter
     def full_screen(self, value: bool) -> None:
-        if bool(value) != self._full_screen:
-            self._full_screen = bool(value)
-            if self.window is not None:
-                self.window.full_screen = self._full_screen
+        self._full_screen = bool(value)
+        if self.window is not None:
+            self.window.full_screen = self._full_screen
 
     def start(self) -> None:
         """Open the window."""
         config = self.config
         if config.mode == "window":
             self.window = Window(config.size, config.title, config.quality, config.vsync)
-            self.app.events.source = WindowInput(self.window)
+            self._input = WindowInput(self.window, self.app.events.source)
+            self.app.events.source = self._input
             self.full_screen = config.full_screen
         elif config.mode == "offscreen":
             self.drawer = OffscreenDrawer(config.size, config.quality)
 
     def stop(self) -> None:
         """Close it."""
-        for each in (self._painter, self.drawer, self.window):
-            if each is not None:
-                each.close()
-        self._painter = self.drawer = self.window = None
+        made, self._input = self._input, None
+        with ExitStack() as closing:  # all are closed, whatever fails
+            for each in (self.window, self.drawer, self._painter):
+                if each is not None:
+                    closing.callback(each.close)
+            self._painter = self.drawer = self.window = None
+            if made is not None and made.beside is not None:
+                self.app.events.source = made.beside
 
     def cycle(self) -> None:
         """Draw a frame."""

@@ -6,55 +6,44 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
+from weakref import ReferenceType
 
 import numpy as np
-import numpy.typing as npt
 
 from osgode.graph.appearance import Appearance
+from osgode.graph.drawable import Drawable
 from osgode.graph.frame import Bin, Sun, View
+from osgode.graph.lod import Gated
 from osgode.graph.mesh import Mesh
-from osgode.graph.transforms import PoseSource
+from osgode.graph.movers import Anchor, Marks, Movers, Place, Selection, Tables
+from osgode.graph.node import Node
+from osgode.graph.picking import Line, Pick, cross, entries
 from osgode.maths import FloatArray, Vec3
 
-Selection = npt.NDArray[np.intp]
-_IDENTITY = np.identity(4)
 
+class Trail(NamedTuple):
+    """The way from the root to a node: what is above it, and the node itself, which isn't kept alive."""
 
-class Anchor(NamedTuple):
-    """A table of poses as one way through the graph reaches it.
+    above: Trail | None
+    node: ReferenceType[Node]
 
-    ``matrix`` is that from the table's axes to the root, None for the identity.
-    """
-
-    source: PoseSource
-    matrix: FloatArray | None
+    def nodes(self) -> tuple[Node, ...]:
+        """The nodes, the root first; those that are gone are left out."""
+        trail: Trail | None = self
+        found = []
+        while trail is not None:
+            found.append(trail.node())
+            trail = trail.above
+        return tuple(node for node in reversed(found) if node is not None)
 
 
 class Instance(NamedTuple):
-    """One drawable on one way from the root: ``v_root = anchor.matrix @ pose @ matrix @ v_mesh``.
+    """One drawable on one way from the root, the axes of its mesh there, and the gates that must be open."""
 
-    ``anchor`` is an index into the list of anchors and ``row`` one into its table; where ``anchor`` is None nothing
-    moves, and ``v_root = matrix @ v_mesh``. ``matrix`` is None for the identity.
-    """
-
-    mesh: Mesh
-    appearance: Appearance
-    matrix: FloatArray | None
-    anchor: int | None
-    row: int
-
-
-class _Movers(NamedTuple):
-    """The instances that move with one anchor.
-
-    ``positions`` are those in the list and ``rows`` those of the table; ``inner`` is (n, 4, 5): each instance's
-    matrix, and as a fifth column the centre of its mesh, to be moved in the same product.
-    """
-
-    anchor: Anchor
-    positions: Selection
-    rows: Selection
-    inner: FloatArray
+    drawable: Drawable
+    place: Place
+    trail: Trail
+    gates: tuple[int, ...] = ()
 
 
 class DrawList:
@@ -62,15 +51,17 @@ class DrawList:
 
     First come the opaque ones that cast shadows, then the other opaque ones (unlit: what shines throws no shadow),
     then the transparent ones, and at last those that are drawn in front of everything, the opaque ones first.
+    The arrays have the order of a `Movers`, in which nothing has to be put anywhere one by one when it moves.
 
     Args:
         instances: in any order, which is kept among equals.
-        anchors: what the instances' ``anchor`` refers to.
+        anchors: what the instances' places refer to.
     """
 
     def __init__(self, instances: Sequence[Instance], anchors: Sequence[Anchor]) -> None:
         self._keys: list[tuple[Mesh, Appearance]] = []
         ordered, self._bin_of = self._sorted(instances)
+        self._ordered = ordered
         count = len(ordered)
         self._starts: Selection = np.searchsorted(self._bin_of, np.arange(len(self._keys) + 1))
         looks = [self._keys[k][1] for k in self._bin_of]
@@ -79,23 +70,28 @@ class DrawList:
         self._opaque = sum(not look.transparent for look in behind)
         self._behind = len(behind)
 
-        inner = np.empty((count, 4, 5))
+        # Each instance's matrix, and as a fifth column the centre of its mesh, to be moved in the same product.
+        columns = np.zeros((count, 4, 5))
+        columns[:, :, :4] = np.identity(4)
         if count:
-            inner[:, :, :4] = [_IDENTITY if each.matrix is None else each.matrix for each in ordered]
-            centres = np.array([(*each.mesh.centre, 1.0) for each in ordered])
-            inner[:, :, 4] = np.einsum("nij,nj->ni", inner[:, :, :4], centres)
-        self._radii = np.array([each.mesh.radius for each in ordered]) * largest_scales(inner[:, :3, :3])
-        self._matrices = inner[:, :, :4].astype(np.float32)
-        self._centres = inner[:, :3, 4].copy()
-
-        self._movers: list[_Movers] = []
-        for k, anchor in enumerate(anchors):
-            positions = np.array([i for i, each in enumerate(ordered) if each.anchor == k], dtype=np.intp)
-            if len(positions):
-                rows = np.array([ordered[i].row for i in positions], dtype=np.intp)
-                self._movers.append(_Movers(anchor, positions, rows, inner[positions]))
-                if anchor.matrix is not None:
-                    self._radii[positions] *= largest_scales(anchor.matrix[None, :3, :3])
+            columns[:, :, 4] = [(*each.drawable.mesh.centre, 1.0) for each in ordered]
+        self._movers = Movers([each.place for each in ordered], columns, anchors)
+        self._slots = self._movers.slots
+        start = self._movers.start
+        self._spheres = np.empty((count, 4))
+        self._spheres[:, :3] = start[:, :3, 4]
+        self._spheres[self._slots, 3] = [each.drawable.mesh.radius for each in ordered]
+        self._spheres[:, 3] *= largest_scales(start[:, :3, :3])
+        self._matrices = start[:, :, :4].astype(np.float32)
+        turned = np.linalg.det(start[:, :3, :3]) < 0
+        for anchor, part in self._movers.parts():
+            if anchor.matrix is not None:
+                self._spheres[part, 3] *= largest_scales(anchor.matrix[None, :3, :3])
+                turned[part] ^= bool(np.linalg.det(anchor.matrix[:3, :3]) < 0)
+        borders = pairwise(self._starts.tolist())
+        self._gated = Gated([each.gates for each in ordered])
+        self._chosen: Marks | None = None
+        self._mirrored = [bool(turned[self._slots[first:end]].any()) for first, end in borders]
 
     def __len__(self) -> int:
         return len(self._bin_of)
@@ -106,83 +102,114 @@ class DrawList:
         # Hashing an Appearance is slow, and most instances share one: look it up by identity first.
         by_identity: dict[tuple[int, int], list[Instance]] = {}
         for each in instances:
-            identity = (id(each.mesh), id(each.appearance))
+            mesh, look = each.drawable.mesh, each.drawable.appearance
+            identity = (id(mesh), id(look))
             same = by_identity.get(identity)
             if same is None:
-                same = by_identity[identity] = by_look.setdefault((id(each.mesh), each.appearance), [])
+                same = by_identity[identity] = by_look.setdefault((id(mesh), look), [])
             same.append(each)
-        looks = ("in_front", "transparent", "unlit")
-        bins = sorted(by_look.values(), key=lambda same: tuple(getattr(same[0].appearance, look) for look in looks))
-        self._keys = [(same[0].mesh, same[0].appearance) for same in bins]
+        bins = sorted(by_look.values(), key=lambda same: _rank(same[0].drawable.appearance))
+        self._keys = [(same[0].drawable.mesh, same[0].drawable.appearance) for same in bins]
         numbers = np.repeat(np.arange(len(bins)), [len(same) for same in bins])
         return [each for same in bins for each in same], numbers
 
-    def move(self, interpolation: float) -> None:
-        """Take the poses of everything that moves; ``interpolation`` as in `PoseSource.matrices`."""
-        tables: dict[int, FloatArray] = {}
-        for anchor, positions, rows, inner in self._movers:
-            table = tables.get(id(anchor.source))
-            if table is None:
-                table = tables[id(anchor.source)] = anchor.source.matrices(interpolation)
-            moved = table.take(rows, axis=0) @ inner
-            if anchor.matrix is not None:
-                moved = anchor.matrix @ moved
-            self._matrices[positions] = moved[:, :, :4]
-            self._centres[positions] = moved[:, :3, 4]
+    def move(self, tables: Tables) -> None:
+        """Take the poses of everything that moves."""
+        for part, moved in self._movers.moved(tables):
+            self._matrices[part] = moved[:, :, :4]
+            self._spheres[part, :3] = moved[:, :3, 4]
 
-    def inside(self, planes: FloatArray) -> npt.NDArray[np.bool_]:
-        """Which bounding spheres reach to the inner side of every plane, (k, 4) as of `frustum_planes`."""
-        distances = planes[:, :3] @ self._centres.T
+    def choose(self, opened: Marks) -> None:
+        """Leave out what stands behind a gate that isn't marked; before `inside` and `caster_bins`."""
+        self._chosen = self._gated.passed(opened)
+
+    def inside(self, planes: FloatArray) -> Marks:
+        """Which of those chosen reach to the inner side of every plane, (k, 4) as of `frustum_planes`."""
+        weights = np.ones((len(planes), 4))  # the radius counts as much as a metre inwards
+        weights[:, :3] = planes[:, :3]
+        distances = weights @ self._spheres.T
         distances += planes[:, 3:]
-        return np.asarray(distances.min(axis=0) >= -self._radii)
+        inside: Marks = np.asarray(distances.min(axis=0) >= 0)[self._slots]
+        return inside if self._chosen is None else inside & self._chosen
 
-    def opaque_bins(self, inside: npt.NDArray[np.bool_]) -> list[Bin]:
+    def opaque_bins(self, inside: Marks) -> list[Bin]:
         """The opaque instances among those marked."""
         return self._bins(np.flatnonzero(inside[: self._opaque]))
 
-    def transparent_bins(self, inside: npt.NDArray[np.bool_], eye: Vec3) -> list[Bin]:
+    def transparent_bins(self, inside: Marks, eye: Vec3) -> list[Bin]:
         """The transparent instances among those marked, far to near, neighbours of one kind in one Bin."""
         if self._opaque == self._behind:
             return []
         chosen = np.flatnonzero(inside[self._opaque : self._behind]) + self._opaque
-        distances = ((self._centres[chosen] - eye) ** 2).sum(axis=1)
+        distances = ((self._spheres[self._slots[chosen], :3] - eye) ** 2).sum(axis=1)
         chosen = chosen[np.argsort(-distances, kind="stable")]
         kinds = self._bin_of[chosen]
-        borders = np.flatnonzero(np.diff(kinds, prepend=-1, append=-1)).tolist()
-        matrices = self._matrices[chosen]
-        bins = []
-        for start, end in pairwise(borders):
-            mesh, look = self._keys[kinds[start]]
-            bins.append(Bin(mesh, look, matrices[start:end]))
-        return bins
+        borders = np.flatnonzero(np.diff(kinds, prepend=-1, append=-1))
+        return self._cut(chosen, kinds[borders[:-1]].tolist(), borders.tolist())
 
-    def front_bins(self, inside: npt.NDArray[np.bool_]) -> list[Bin]:
+    def front_bins(self, inside: Marks) -> list[Bin]:
         """The instances among those marked that are drawn in front of everything."""
         if self._behind == len(self):
             return []
         return self._bins(np.flatnonzero(inside[self._behind :]) + self._behind)
 
     def caster_bins(self, sun: Sun, centre: Vec3, radius: float) -> list[Bin]:
-        """The instances whose shadow can fall into the sphere, wherever they are themselves."""
+        """Those chosen whose shadow can fall into the sphere, wherever they are themselves."""
         if not sun.shadows:
             return []
-        count = self._casters
-        offsets = self._centres[:count] - centre
+        offsets = self._spheres[:, :3] - centre
         along = offsets @ np.array(sun.direction.normalized())
-        limits = self._radii[:count] + radius
+        limits = self._spheres[:, 3] + radius
         # Seen along the light, the two spheres must overlap, and the caster must not lie behind.
         aside = np.einsum("ni,ni->n", offsets, offsets) - along * along
-        return self._bins(np.flatnonzero((aside <= limits * limits) & (along <= limits)))
+        reaching = ((aside <= limits * limits) & (along <= limits))[self._slots[: self._casters]]
+        if self._chosen is not None:
+            reaching &= self._chosen[: self._casters]
+        return self._bins(np.flatnonzero(reaching))
+
+    def first_met(self, line: Line) -> Pick | None:
+        """What of those chosen a ray meets first; what is drawn in front of everything comes before all else."""
+        begins = entries(line, self._spheres)[self._slots]
+        if self._chosen is not None:
+            begins[~self._chosen] = np.inf
+        return self._first(line, begins, self._behind, len(self)) or self._first(line, begins, 0, self._behind)
+
+    def _first(self, line: Line, begins: FloatArray, start: int, end: int) -> Pick | None:
+        nearest, found = line.far, None
+        order = np.argsort(begins[start:end], kind="stable") + start
+        for k in order[: np.isfinite(begins[start:end]).sum()].tolist():
+            if begins[k] > nearest:
+                break
+            instance, matrix = self._ordered[k], self._matrices[self._slots[k]].astype(np.float64)
+            met = cross(line._replace(far=nearest), instance.drawable.mesh, matrix)
+            if met is not None and (found is None or met.t < nearest):
+                nearest, found = met.t, (instance, met)
+        if found is None:
+            return None
+        instance, met = found
+        normal = Vec3(*met.normal.tolist()).normalized()
+        if normal.dot(line.direction) > 0.0:
+            normal = -normal
+        point = Vec3(*(line.origin + met.t * line.direction).tolist())
+        return Pick(instance.trail.nodes(), instance.drawable, met.triangle, point, normal, met.t)
 
     def _bins(self, chosen: Selection) -> list[Bin]:
         """The instances at the given positions, which must ascend, one Bin per kind."""
-        matrices = self._matrices.take(chosen, axis=0)
-        borders = np.searchsorted(chosen, self._starts).tolist()
+        return self._cut(chosen, range(len(self._keys)), np.searchsorted(chosen, self._starts).tolist())
+
+    def _cut(self, chosen: Selection, kinds: Sequence[int], borders: Sequence[int]) -> list[Bin]:
+        """Bins of the instances at the given positions: one for each kind, between two of the borders."""
+        slots = self._slots[chosen]
+        matrices, spheres = self._matrices.take(slots, axis=0), self._spheres.take(slots, axis=0)
         return [
-            Bin(mesh, look, matrices[start:end])
-            for (mesh, look), (start, end) in zip(self._keys, pairwise(borders), strict=True)
-            if start < end
+            Bin(*self._keys[kind], matrices[first:end], spheres[first:end], self._mirrored[kind])
+            for kind, (first, end) in zip(kinds, pairwise(borders), strict=True)
+            if first < end
         ]
+
+
+def _rank(look: Appearance) -> tuple[bool, bool, bool]:
+    return look.in_front, look.transparent, look.unlit
 
 
 def largest_scales(linear: FloatArray) -> FloatArray:

@@ -125,7 +125,11 @@ class Node:
             if parent is not None:
                 parent._touch()
 
-    # -- hooks of the physics nodes
+    # -- hooks of the nodes that can't be shared
+
+    def _twin(self) -> Node:
+        """What a copy of the parent has in place of this node: the node itself, where it may have several parents."""
+        return self
 
     def _check_parent(self, parent: Group) -> None:
         """Raise TreeError unless this node may be attached to ``parent`` now."""

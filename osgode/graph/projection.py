@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
-from osgode.errors import FieldError
+from osgode.errors import FieldError, shown
 from osgode.graph.frame import Rectangle, Text
 from osgode.graph.leaf import Switch
 from osgode.graph.node import Group, Node
@@ -49,31 +49,51 @@ class Projection(Group):
 
     @height.setter
     def height(self, value: float | None) -> None:
-        if value is not None:
-            try:
-                value = float(value)
-            except (TypeError, ValueError):
-                value = -1.0
-            if not 0.0 < value < 1e9:
-                raise FieldError(f"{self.describe()}.height is {value!r}; it must be above 0, or None for pixels")
-        self._height = value
+        self._height = None if value is None else self._checked_height(value)
+
+    def _checked_height(self, value: Any) -> float:
+        try:
+            height = -1.0 if isinstance(value, str) else float(value)
+        except (TypeError, ValueError):
+            height = -1.0
+        if not 0.0 < height < 1e9:
+            raise FieldError(f"{self.describe()}.height is {shown(value)}; it must be above 0, or None for pixels")
+        return height
 
     def items(self, size: tuple[int, int]) -> list[OverlayItem]:
         """What is drawn over a picture of ``size`` pixels, in order, in pixels."""
-        scale = 1.0 if self._height is None else size[1] / self._height
+        if min(size) < 1:  # a minimised window
+            return []
+        scale = self._scale(size)
         visitor = _OverlayVisitor(Area(0.0, 0.0, size[0] / scale, size[1] / scale))
         visitor.traverse(self)
         return visitor.items if scale == 1.0 else [_scaled(item, scale) for item in visitor.items]
 
+    def from_pixels(self, place: tuple[float, float], size: tuple[int, int]) -> tuple[float, float]:
+        """Where in its own units a pixel of a picture of ``size`` lies: what the mouse pointer is at.
+
+        ``scene.hud.from_pixels(events.mouse_position, video.size)`` is (0, 0) at the top left.
+        """
+        scale = self._scale(size)
+        return place[0] / scale, place[1] / scale
+
+    def _scale(self, size: tuple[int, int]) -> float:
+        """Pixels of a unit."""
+        return 1.0 if self._height is None else max(size[1], 1) / self._height
+
 
 class OverlayNode(Group):
-    """Something that is drawn below a `Projection`; what stands below it is laid out within its area."""
+    """Something that is drawn below a `Projection`; what stands below it is laid out within its `inner_area`."""
 
     PARENTS: ClassVar[tuple[str, ...]] = ("Group",)
 
     def area(self, outer: Area) -> Area:
         """Where it is, in the area of what it stands under; all of that unless a subclass says so."""
         return outer
+
+    def inner_area(self, area: Area) -> Area:
+        """Where what stands below it is laid out, given its own area; all of that unless a subclass says so."""
+        return area
 
     def overlay_items(self, area: Area) -> Sequence[OverlayItem]:
         """What it draws itself, before what is below it; nothing unless a subclass says so."""
@@ -99,8 +119,9 @@ class _OverlayVisitor(Visitor):
         if not node.visible:
             return
         outer = self._area
-        self._area = node.area(outer)
-        self.items += node.overlay_items(self._area)
+        area = node.area(outer)
+        self.items += node.overlay_items(area)
+        self._area = node.inner_area(area)
         self.traverse(node)
         self._area = outer
 

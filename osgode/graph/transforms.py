@@ -9,7 +9,7 @@ import numpy as np
 
 from osgode.errors import FieldError
 from osgode.graph.drawable import affine_matrix
-from osgode.graph.node import Group
+from osgode.graph.node import Group, Node
 from osgode.maths import IDENTITY, ZERO, FloatArray, Pose, Quat, QuatLike, Vec3, Vec3Like, finite
 
 ONE = Vec3(1.0, 1.0, 1.0)
@@ -46,6 +46,20 @@ class Transform(Group, ABC):
     def absolute(self) -> bool:
         """Whether `local_matrix` leads straight to the axes of the root, whatever stands between."""
         return False
+
+
+def matrix_to_root(node: Node) -> FloatArray:
+    """The (4, 4) matrix from the axes that ``node`` stands in, or that it makes, to those of the root, as it is now.
+
+    Where nodes have several parents, along the first of them.
+    """
+    matrix = np.identity(4)
+    for each in (node, *node.ancestors):
+        if isinstance(each, Transform):
+            matrix = each.local_matrix() @ matrix
+            if each.absolute:
+                break
+    return matrix
 
 
 class MatrixTransform(Transform):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypedDict
 
 from osgode.errors import FieldError, ParameterError, PhysicsError, StateError, TreeError, shown
 from osgode.fields import FLAG, Field, FlagField, Followed, number, optional
@@ -115,6 +115,10 @@ class Joint(HasFields):
         self._complete()
         self._ready = True
         self._sprung()
+        self._join()
+
+    def _join(self) -> None:
+        """Belong to the bodies, and be made in ODE if they are in a World."""
         for body in self._bodies:
             body._joints.append(self)
         try:
@@ -122,6 +126,32 @@ class Joint(HasFields):
         except BaseException:
             self._forget()
             raise
+
+    def copy(self, body1: Body, body2: Body | None = None) -> Self:
+        """The same joint between other bodies, which it holds as this one holds its own; listeners are not copied.
+
+        Angles and positions are 0 where they are 0 here, so copies of the bodies begin as the bodies are.
+
+        Raises:
+            TreeError: for what can't be joined, and another number of bodies.
+            StateError: if this joint has been released, or another thread is in a step of its World.
+        """
+        self._check_bodies(body1, body2)
+        if (body2 is None) != (self._body2 is None):
+            raise TreeError(f"{self.describe()}.copy(): it takes {len(self._bodies)} bodies, as it joins itself")
+        if self._released:
+            raise StateError(f"{self.describe()}.copy(): it has been released, and holds nothing")
+        record = {name: field.own(self) for name, field in self.FIELDS.items()}
+        twin = type(self).__new__(type(self))
+        vars(twin).update(vars(self))
+        vars(twin).update(_native=None, _id=None, _realm=None, _listeners=[], _body1=body1, _body2=body2)
+        twin._record = {name: value for name, value in record.items() if value != self.FIELDS[name].default}
+        twin._copied()
+        twin._join()
+        return twin
+
+    def _copied(self) -> None:
+        """Called for a new copy, before it is made in ODE: what may not be shared with the original is made anew."""
 
     def _complete(self) -> None:
         """Called when a new joint has all its fields; may raise to refuse."""

@@ -67,6 +67,10 @@ class Plane2D(Driven):
             speed = body.velocity_at(body.world_centre_of_mass)
             body.linear_velocity = body.linear_velocity - z * speed.z
 
+    def _copied(self) -> None:
+        super()._copied()
+        self._params = {}
+
     # ODE can be told the parameters of this kind, but not asked for them.
 
     def _set_param(self, code: int, value: float) -> None:

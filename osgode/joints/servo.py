@@ -137,6 +137,15 @@ class ServoDriven(Driven):
             self._stop_serving()
         self._wake()
 
+    def _copied(self) -> None:
+        super()._copied()
+        servo = self.servo
+        if servo is not None:  # a servo drives one joint
+            own = Servo()
+            own._record = dict(servo._record)
+            own._owner = weakref.ref(self)
+            self._record["servo"] = self._driver = own
+
     def _serve(self) -> None:
         servo = self.servo
         if servo is None:

@@ -200,6 +200,24 @@ int tree_rebuild(box_tree *t, int *(*leaf_of)(void *, unsigned int slot), void *
     return status;
 }
 
+/* Where `at` and all below it end. */
+static int flatten(const box_tree *t, int at, twig *out, int next) {
+    const node *n = &t->nodes[at];
+    int here = next++, leaf = n->children[0] == NONE;
+    for (int k = 0; k < 3; k++) {
+        out[here].low[k] = float_below(n->box.low[k]);
+        out[here].high[k] = float_above(n->box.high[k]);
+    }
+    for (int i = 0; i < 2 && !leaf; i++) next = flatten(t, n->children[i], out, next);
+    out[here].next = next;
+    out[here].slot = leaf ? n->children[1] : NONE;
+    return next;
+}
+
+void tree_flatten(const box_tree *t, twig *out) {
+    if (t->root != NONE) flatten(t, t->root, out, 0);
+}
+
 /* ------------------------------------------------------------------ finding */
 
 static int by_number(const void *a, const void *b) {

@@ -6,53 +6,13 @@
    of it needs its contacts then: so from the awake bodies the pairs of every sleeper that is reached are looked for
    too. The order of the pairs follows from where everything is now, not from how it came there. */
 
-#include <stdint.h>
-
 #include "broad.h"
-
-enum { OUT, QUIET, MOVING, HUGE_BOX }; /* HUGE_BOX: quiet, and not worth a place in the tree, as planes are */
 
 enum { HEARD = OO_LISTENED | OO_ASKED | OO_SENSOR }; /* sleeping or not, somebody wants to know what touches it */
 
 #define HUGE_LENGTH 1e6
 
-typedef struct entry {
-    box box;
-    unsigned int space; /* the slot of the space that it is in */
-    int leaf;           /* in the tree */
-    unsigned char state;
-} entry;
-
-typedef struct members { uint64_t inside, left, right; } members; /* a bit for each declared pair of spaces */
-
-typedef struct mover {
-    double low;
-    unsigned int slot;
-} mover;
-
 enum { NEW, WAITING, DONE }; /* sleepers that are reached */
-
-struct oo_broad {
-    entry *entries; /* by slot */
-    unsigned int entry_capacity;
-    members *spaces; /* by slot */
-    unsigned int space_capacity;
-
-    mover *movers;
-    unsigned int mover_count, mover_capacity, unsorted; /* the last ones are new in the list */
-    int axis;
-    double sums[3], squares[3]; /* of the middles of the movers */
-
-    box_tree tree;
-    slots huge, hits;
-    box_tree mover_tree; /* for as long as questions are asked */
-
-    unsigned char *reached; /* by body: woken by what is awake, in this step */
-    unsigned int reached_capacity;
-    slots queue;
-    unsigned int sleepers;
-    int current; /* it saw the last step */
-};
 
 /* ------------------------------------------------------------------ which spaces were told to collide */
 
@@ -69,14 +29,22 @@ static void mark_space(oo_world *w, dSpaceID space, unsigned int slot) {
     w->broad->spaces[slot] = m;
 }
 
-static void mark_spaces(oo_world *w) {
+/* Spaces are made before what they hold, so their slots are mostly low ones. */
+static int mark_spaces(oo_world *w) {
+    struct oo_broad *b = w->broad;
+    unsigned int end = 0, had = b->space_capacity;
+    for (unsigned int slot = 0; slot < w->geom_count; slot++)
+        if (w->geoms[slot].flags & OO_IS_SPACE) end = slot + 1;
+    if (reserve(&b->spaces, &b->space_capacity, end, sizeof *b->spaces)) return OO_NO_MEMORY;
+    for (unsigned int i = had; i < b->space_capacity; i++) b->spaces[i] = (members){0};
     for (unsigned int slot = 0; slot < w->geom_count; slot++)
         if ((w->geoms[slot].flags & (OO_ALIVE | OO_IS_SPACE)) == (OO_ALIVE | OO_IS_SPACE))
             mark_space(w, (dSpaceID)w->geoms[slot].id, slot);
     w->pairs_are_new = 0;
+    return OO_OK;
 }
 
-static int declared(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
+int broad_declares(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
     const members *m = &b->spaces[b->entries[slot1].space], *n = &b->spaces[b->entries[slot2].space];
     return ((m->inside & n->inside) | (m->left & n->right) | (m->right & n->left)) != 0;
 }
@@ -94,19 +62,10 @@ static int make_room(oo_world *w) {
     unsigned int had = b->entry_capacity;
     if (reserve(&b->entries, &b->entry_capacity, w->geom_count, sizeof *b->entries)) return OO_NO_MEMORY;
     for (unsigned int i = had; i < b->entry_capacity; i++) b->entries[i] = (entry){.leaf = NONE, .state = OUT};
-    had = b->space_capacity;
-    if (reserve(&b->spaces, &b->space_capacity, w->geom_count, sizeof *b->spaces)) return OO_NO_MEMORY;
-    for (unsigned int i = had; i < b->space_capacity; i++) b->spaces[i] = (members){0};
     if (reserve(&b->movers, &b->mover_capacity, w->geom_count, sizeof *b->movers)) return OO_NO_MEMORY;
-    if (reserve(&b->huge.at, &b->huge.capacity, w->geom_count, sizeof *b->huge.at)) return OO_NO_MEMORY;
     if (reserve(&b->reached, &b->reached_capacity, w->body_count, sizeof *b->reached)) return OO_NO_MEMORY;
+    if (reserve(&b->asleep, &b->asleep_capacity, w->body_count, sizeof *b->asleep)) return OO_NO_MEMORY;
     return reserve(&b->queue.at, &b->queue.capacity, w->body_count, sizeof *b->queue.at);
-}
-
-static box box_of(dGeomID geom) {
-    dReal aabb[6];
-    dGeomGetAABB(geom, aabb);
-    return (box){{aabb[0], aabb[2], aabb[4]}, {aabb[1], aabb[3], aabb[5]}};
 }
 
 static int is_huge(const box *b) {
@@ -121,24 +80,9 @@ static dSpaceID space_of(const oo_geom *geom) {
     return is_geom && dGeomIsEnabled(geom->id) ? dGeomGetSpace(geom->id) : NULL;
 }
 
-static void note_mover(struct oo_broad *b, unsigned int slot, int is_new) {
-    const box *of = &b->entries[slot].box;
-    for (int k = 0; k < 3; k++) {
-        double middle = of->low[k] + of->high[k];
-        b->sums[k] += middle;
-        b->squares[k] += middle * middle;
-    }
-    if (!is_new) return;
-    b->movers[b->mover_count++].slot = slot;
-    b->unsorted++;
-}
-
 static int note_quiet(struct oo_broad *b, unsigned int slot, const box *now) {
     entry *e = &b->entries[slot];
-    if (e->state == HUGE_BOX) {
-        b->huge.at[b->huge.count++] = slot;
-        return OO_OK;
-    }
+    if (e->state == HUGE_BOX) return put_slot(&b->huge, slot);
     if (e->leaf == NONE) e->leaf = tree_plant(&b->tree, now, slot);
     return e->leaf == NONE ? OO_NO_MEMORY : OO_OK;
 }
@@ -161,7 +105,7 @@ static int update_entry(oo_world *w, unsigned int slot) {
         return OO_OK;
     }
     int moving = is_mover(&w->geoms[slot]), was_moving = e->state == MOVING;
-    box now = box_of(geom);
+    box now = box_around(geom);
     e->state = moving ? MOVING : is_huge(&now) ? HUGE_BOX : QUIET;
     e->space = (unsigned int)(size_t)dGeomGetData((dGeomID)space);
     if (e->leaf != NONE && (e->state != QUIET || memcmp(&now, &e->box, sizeof now))) {
@@ -169,20 +113,58 @@ static int update_entry(oo_world *w, unsigned int slot) {
         e->leaf = NONE;
     }
     e->box = now;
-    if (moving) {
-        note_mover(b, slot, !was_moving);
-        return OO_OK;
+    if (!moving) return note_quiet(b, slot, &now);
+    if (!was_moving) {
+        b->movers[b->mover_count++].slot = slot;
+        b->unsorted++;
     }
-    b->sleepers += dGeomGetBody(geom) != NULL;
-    return note_quiet(b, slot, &now);
+    return OO_OK;
 }
 
 static int *leaf_of(void *b, unsigned int slot) { return &((struct oo_broad *)b)->entries[slot].leaf; }
 
-/* Movers that were there before keep their places in the list, since they are nearly sorted; new ones come behind. */
-static int update(oo_world *w) {
+static int update_all(oo_world *w) {
     struct oo_broad *b = w->broad;
-    if (w->pairs_are_new) mark_spaces(w);
+    b->huge.count = b->heard.count = b->sleepers = 0;
+    for (unsigned int slot = 0; slot < w->geom_count; slot++) {
+        if (update_entry(w, slot)) return OO_NO_MEMORY;
+        if (w->geoms[slot].flags & HEARD && put_slot(&b->heard, slot)) return OO_NO_MEMORY;
+    }
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        b->asleep[i] = !dBodyIsEnabled(w->bodies[i].id);
+        b->sleepers += b->asleep[i];
+    }
+    return OO_OK;
+}
+
+/* What nobody has touched and what sleeps as before stands as before: only bodies that are awake or were are looked at.
+   `huge` tells if the list of huge boxes is no longer true, which is rare enough to look at everything then. */
+static int update_awake(oo_world *w, int *huge) {
+    struct oo_broad *b = w->broad;
+    b->sleepers = 0;
+    for (unsigned int i = 0; i < w->body_count; i++) {
+        dBodyID body = w->bodies[i].id;
+        int asleep = !dBodyIsEnabled(body);
+        b->sleepers += (unsigned int)asleep;
+        if (asleep && b->asleep[i]) continue;
+        b->asleep[i] = (unsigned char)asleep;
+        for (dGeomID geom = dBodyGetFirstGeom(body); geom; geom = dBodyGetNextGeom(geom)) {
+            unsigned int slot = (unsigned int)(size_t)dGeomGetData(geom);
+            int before = b->entries[slot].state;
+            if (update_entry(w, slot)) return OO_NO_MEMORY;
+            *huge |= (before == HUGE_BOX) != (b->entries[slot].state == HUGE_BOX);
+        }
+    }
+    return OO_OK;
+}
+
+/* Movers that were there before keep their places in the list, since they are nearly sorted; new ones come behind. */
+int broad_update(oo_world *w) {
+    if (make_room(w)) return OO_NO_MEMORY;
+    struct oo_broad *b = w->broad;
+    int all = w->edited;
+    w->edited = 1; /* until this is done */
+    if (w->pairs_are_new && mark_spaces(w)) return OO_NO_MEMORY;
     unsigned int kept = 0;
     for (unsigned int i = 0; i < b->mover_count; i++) {
         unsigned int slot = b->movers[i].slot;
@@ -192,23 +174,31 @@ static int update(oo_world *w) {
             b->entries[slot].state = OUT; /* until it is looked at below */
     }
     b->mover_count = kept;
-    b->huge.count = b->sleepers = b->unsorted = 0;
-    memset(b->sums, 0, sizeof b->sums);
-    memset(b->squares, 0, sizeof b->squares);
-    for (unsigned int slot = 0; slot < w->geom_count; slot++)
-        if (update_entry(w, slot)) return OO_NO_MEMORY;
+    b->unsorted = 0;
+    if (!all && update_awake(w, &all)) return OO_NO_MEMORY;
+    if (all && update_all(w)) return OO_NO_MEMORY;
+    w->edited = 0;
     return tree_is_worn(&b->tree) ? tree_rebuild(&b->tree, leaf_of, b) : OO_OK;
 }
 
 /* ------------------------------------------------------------------ movers against each other */
 
-/* The axis along which they are spread most: along another most of them would overlap. */
+/* The axis along which they are spread most: along another most of them would overlap. Of two that are as good, to
+   rounding, the first: in which order they stand in the list must not show. */
 static int widest_axis(const struct oo_broad *b) {
-    double widest = -1;
+    double widest = -1, sums[3] = {0}, squares[3] = {0};
     int axis = 0;
+    for (unsigned int i = 0; i < b->mover_count; i++) {
+        const box *of = &b->entries[b->movers[i].slot].box;
+        for (int k = 0; k < 3; k++) {
+            double middle = of->low[k] + of->high[k];
+            sums[k] += middle;
+            squares[k] += middle * middle;
+        }
+    }
     for (int k = 0; k < 3; k++) {
-        double spread = b->squares[k] - b->sums[k] * b->sums[k] / b->mover_count;
-        if (spread > widest) {
+        double spread = squares[k] - sums[k] * sums[k] / b->mover_count;
+        if (spread > widest * (1 + 1e-9)) {
             widest = spread;
             axis = k;
         }
@@ -240,7 +230,7 @@ static void sort_movers(struct oo_broad *b) {
 
 static void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     unsigned int first = slot1 < slot2 ? slot1 : slot2, second = slot1 < slot2 ? slot2 : slot1;
-    if (declared(w->broad, first, second)) meet_pair(w, first, second);
+    if (broad_declares(w->broad, first, second)) meet_pair(w, first, second);
 }
 
 static void sweep(oo_world *w) {
@@ -347,10 +337,11 @@ static int flood(oo_world *w) {
 /* What somebody listens to is told that it still touches, though all of it sleeps. */
 static int meet_listened(oo_world *w) {
     struct oo_broad *b = w->broad;
-    for (unsigned int slot = 0; slot < w->geom_count; slot++) {
+    for (unsigned int h = 0; h < b->heard.count; h++) {
+        unsigned int slot = b->heard.at[h];
         const entry *e = &b->entries[slot];
         int quiet = e->state == QUIET || e->state == HUGE_BOX;
-        if (!quiet || !(w->geoms[slot].flags & HEARD) || is_done(w, slot)) continue;
+        if (!quiet || is_done(w, slot)) continue;
         if (find_quiet(b, &e->box)) return OO_NO_MEMORY;
         for (unsigned int i = 0; i < b->hits.count; i++) {
             unsigned int other = b->hits.at[i];
@@ -362,7 +353,7 @@ static int meet_listened(oo_world *w) {
 }
 
 int find_pairs(oo_world *w) {
-    if (make_room(w) || update(w)) return OO_NO_MEMORY;
+    if (broad_update(w)) return OO_NO_MEMORY;
     sweep(w);
     if (meet_quiet_from_movers(w)) return OO_NO_MEMORY;
     if (w->broad->sleepers && (flood(w) || meet_listened(w))) return OO_NO_MEMORY;
@@ -374,6 +365,7 @@ int find_pairs(oo_world *w) {
 
 void broad_forget(oo_world *w) {
     if (w->broad) w->broad->current = 0;
+    w->edited = 1;
 }
 
 /* Sleepers touch what they lie on without a contact that says so. */
@@ -384,7 +376,7 @@ void wake_sleepers_on(oo_world *w, unsigned int slot) {
     for (unsigned int i = 0; i < b->hits.count; i++) {
         unsigned int other = b->hits.at[i];
         dBodyID body = other != slot && w->geoms[other].flags & OO_ALIVE ? dGeomGetBody(w->geoms[other].id) : NULL;
-        if (!body || dBodyIsEnabled(body) || !declared(b, slot, other)) continue;
+        if (!body || dBodyIsEnabled(body) || !broad_declares(b, slot, other)) continue;
         if (geoms_touch(w, slot, other)) dBodyEnable(body);
     }
 }
@@ -393,8 +385,8 @@ unsigned long long oo_broad_bytes(const oo_world *w) {
     const struct oo_broad *b = w->broad;
     if (!b) return 0;
     return sizeof *b + b->entry_capacity * sizeof *b->entries + b->space_capacity * sizeof *b->spaces +
-           b->mover_capacity * sizeof *b->movers + (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity +
-           (b->huge.capacity + b->hits.capacity + b->queue.capacity) * sizeof(unsigned int);
+           b->mover_capacity * sizeof *b->movers + (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity + b->asleep_capacity +
+           (b->huge.capacity + b->heard.capacity + b->hits.capacity + b->queue.capacity) * sizeof(unsigned int);
 }
 
 void broad_free(oo_world *w) {
@@ -406,101 +398,10 @@ void broad_free(oo_world *w) {
     free(b->tree.nodes);
     free(b->mover_tree.nodes);
     free(b->huge.at);
+    free(b->heard.at);
     free(b->hits.at);
     free(b->reached);
+    free(b->asleep);
     free(b->queue.at);
     free(b);
-}
-
-/* ------------------------------------------------------------------ questions between steps */
-
-enum { FEW = 4 }; /* questions for which no tree is worth its while */
-
-int begin_queries(oo_world *w, unsigned int count) {
-    if (make_room(w) || update(w)) return OO_NO_MEMORY;
-    struct oo_broad *b = w->broad;
-    for (unsigned int i = 0; i < b->mover_count && count > FEW; i++) {
-        unsigned int slot = b->movers[i].slot;
-        if (tree_plant(&b->mover_tree, &b->entries[slot].box, slot) == NONE) {
-            end_queries(w);
-            return OO_NO_MEMORY;
-        }
-    }
-    return OO_OK;
-}
-
-void end_queries(oo_world *w) { tree_clear(&w->broad->mover_tree); }
-
-static int meets_ray(const box *b, const void *wanted) {
-    const ray *r = wanted;
-    double near = 0, far = r->length;
-    for (int k = 0; k < 3; k++) {
-        double one = (b->low[k] - r->origin[k]) * r->inverse[k], other = (b->high[k] - r->origin[k]) * r->inverse[k];
-        if (one != one || other != other) { /* 0 * infinity: along a face, inside or not */
-            if (r->origin[k] < b->low[k] || r->origin[k] > b->high[k]) return 0;
-            continue;
-        }
-        near = fmax(near, fmin(one, other));
-        far = fmin(far, fmax(one, other));
-    }
-    return near <= far;
-}
-
-static void visit_all(const struct oo_broad *b, int (*meets)(const box *, const void *), const void *wanted,
-                      void (*visit)(void *, unsigned int), void *data) {
-    for (unsigned int i = 0; i < b->huge.count; i++) visit(data, b->huge.at[i]);
-    tree_visit(&b->tree, meets, wanted, visit, data);
-    tree_visit(&b->mover_tree, meets, wanted, visit, data);
-    if (b->mover_tree.root != NONE) return;
-    for (unsigned int i = 0; i < b->mover_count; i++)
-        if (meets(&b->entries[b->movers[i].slot].box, wanted)) visit(data, b->movers[i].slot);
-}
-
-void along_ray(oo_world *w, ray *r, void (*visit)(void *, unsigned int), void *data) {
-    visit_all(w->broad, meets_ray, r, visit, data);
-}
-
-void in_box_of(oo_world *w, dGeomID geom, void (*visit)(void *, unsigned int), void *data) {
-    box wanted = box_of(geom);
-    visit_all(w->broad, meets_box, &wanted, visit, data);
-}
-
-void in_box(oo_world *w, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data) {
-    box wanted = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-    visit_all(w->broad, meets_box, &wanted, visit, data);
-}
-
-void near_way(oo_world *w, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data) {
-    const struct oo_broad *b = w->broad;
-    box wanted = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-    for (unsigned int i = 0; i < b->huge.count; i++) visit(data, b->huge.at[i]);
-    tree_visit(&b->tree, meets_box, &wanted, visit, data);
-    for (unsigned int i = 0; i < b->mover_count; i++) { /* they stand where they went to */
-        unsigned int slot = b->movers[i].slot;
-        if (w->geoms[slot].flags & OO_IS_RAY) continue;
-        const oo_body *body = &w->bodies[(size_t)dBodyGetData(dGeomGetBody(w->geoms[slot].id))];
-        box way = b->entries[slot].box;
-        for (int k = 0; k < 3; k++) { /* or where they were stopped, which the boxes don't know */
-            double start = -body->way[k], stop = body->moved[k] - body->way[k];
-            way.low[k] += fmin(fmin(start, stop), 0);
-            way.high[k] += fmax(fmax(start, stop), 0);
-        }
-        if (overlap(&way, &wanted)) visit(data, slot);
-    }
-}
-
-static int is_within(const oo_world *w, unsigned int slot, dSpaceID space) {
-    dSpaceID at = dGeomGetSpace(w->geoms[slot].id);
-    while (at && at != space) at = dGeomGetSpace((dGeomID)at);
-    return at != NULL;
-}
-
-int pair_declared(const oo_world *w, unsigned int slot1, unsigned int slot2) {
-    if (w->declared_count <= MOST_DECLARED) return declared(w->broad, slot1, slot2);
-    for (unsigned int i = 0; i < w->declared_count; i++) {
-        dSpaceID space = w->declared[i].space, other = w->declared[i].other ? w->declared[i].other : space;
-        if (is_within(w, slot1, space) && is_within(w, slot2, other)) return 1;
-        if (is_within(w, slot2, space) && is_within(w, slot1, other)) return 1;
-    }
-    return 0;
 }

@@ -3,11 +3,19 @@
 #ifndef OSGODE_BROAD_H
 #define OSGODE_BROAD_H
 
+#include <stdint.h>
+
 #include "internal.h"
 
 enum { NONE = -1 };
 
 typedef struct box { double low[3], high[3]; } box;
+
+static inline box box_around(dGeomID geom) {
+    dReal aabb[6];
+    dGeomGetAABB(geom, aabb);
+    return (box){{aabb[0], aabb[2], aabb[4]}, {aabb[1], aabb[3], aabb[5]}};
+}
 
 static inline int overlap(const box *a, const box *b) {
     return a->low[0] <= b->high[0] && b->low[0] <= a->high[0] && a->low[1] <= b->high[1] && b->low[1] <= a->high[1] &&
@@ -53,5 +61,63 @@ HIDDEN int tree_find(const box_tree *, const box *, slots *);
 HIDDEN void tree_visit(const box_tree *, int (*meets)(const box *, const void *), const void *wanted,
                        void (*visit)(void *, unsigned int slot), void *data);
 HIDDEN void tree_clear(box_tree *);
+
+/* A node of a tree that will not change any more. All below one follow it, up to `next`: no way back is needed. */
+typedef struct twig {
+    float low[3], high[3]; /* rounded outwards */
+    int next, slot;        /* NONE: it is no leaf */
+} twig;
+
+static inline float float_below(double x) {
+    float f = (float)x;
+    return f > x ? nextafterf(f, -INFINITY) : f;
+}
+static inline float float_above(double x) { return -float_below(-x); }
+
+/* In as many twigs as the tree has nodes. */
+HIDDEN void tree_flatten(const box_tree *, twig *);
+
+enum { OUT, QUIET, MOVING, HUGE_BOX }; /* HUGE_BOX: quiet, and not worth a place in the tree, as planes are */
+
+typedef struct entry {
+    box box;
+    unsigned int space; /* the slot of the space that it is in */
+    int leaf;           /* in the tree */
+    unsigned char state;
+} entry;
+
+typedef struct members { uint64_t inside, left, right; } members; /* a bit for each declared pair of spaces */
+
+typedef struct mover {
+    double low;
+    unsigned int slot;
+} mover;
+
+struct oo_broad {
+    entry *entries; /* by slot */
+    unsigned int entry_capacity;
+    members *spaces; /* by slot */
+    unsigned int space_capacity;
+
+    mover *movers;
+    unsigned int mover_count, mover_capacity, unsorted; /* the last ones are new in the list */
+    int axis;
+
+    box_tree tree;
+    slots huge, heard, hits;
+    box_tree mover_tree; /* for as long as questions are asked */
+
+    unsigned char *reached; /* by body: woken by what is awake, in this step */
+    unsigned int reached_capacity;
+    slots queue;
+    unsigned char *asleep; /* by body, when it was looked at last */
+    unsigned int asleep_capacity, sleepers;
+    int current; /* it saw the last step */
+};
+
+/* What has changed since it looked last. */
+HIDDEN int broad_update(oo_world *);
+/* Whether the spaces that two geoms stand in were told to collide. */
+HIDDEN int broad_declares(const struct oo_broad *, unsigned int slot1, unsigned int slot2);
 
 #endif

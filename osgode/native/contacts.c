@@ -5,8 +5,6 @@
 
 enum { RIM = 8, MOST_SPOTS = 4 * RIM, PLENTY = 64 };
 
-static const double FLAT = 0.9945, ALONG = 0.1045; /* cosine and sine of 6 degrees: within it, it lies flat */
-
 typedef struct solid {
     int kind; /* class of ODE; hulls are dConvexClass */
     polytope shape;
@@ -211,43 +209,14 @@ static void meet_outlines(patch *p) {
     try_crossings(p);
 }
 
-static void write_row(const patch *p, int i, double sign, dContactGeom *row) {
+static void write_row(const patch *p, int i, dContactGeom *row) {
     const found_spot *s = &p->spots[i];
     for (int k = 0; k < 3; k++) {
         row->pos[k] = s->x[0] * p->w->u[k] + s->x[1] * p->w->v[k] + s->middle * p->w->n[k];
-        row->normal[k] = sign * p->w->n[k];
+        row->normal[k] = p->w->n[k];
     }
     row->depth = s->depth;
     row->side1 = row->side2 = -1;
-}
-
-int lie_on_triangle(const oo_geom *geom, const double (*t)[3], const double *n, double deepest, double sign, int most,
-                    dContactGeom *rows) {
-    solid a;
-    view w;
-    feature of_a, of_t;
-    double back[3] = {-n[0], -n[1], -n[2]}, face[3];
-    if (!solid_of(geom, &a)) return 0;
-    int on_face = face_towards(&a, back, face);
-    if (!on_face && !lies_along(&a, back)) return 0;
-    memcpy(w.n, n, sizeof w.n);
-    axes_across(w.n, w.u, w.v);
-    if (on_face)
-        face_of(&a, &w, face, &of_a);
-    else
-        line_of(&a, &w, back, &of_a);
-    double seen[3][2];
-    for (int k = 0; k < 3; k++) seen_from(&w, t[k], seen[k]);
-    of_t.is_line = 0;
-    memcpy(of_t.normal, n, sizeof of_t.normal);
-    memcpy(of_t.point, t[0], sizeof of_t.point);
-    outline_of(seen, 3, &of_t.seen);
-    patch p = {.w = &w, .a = &of_a, .b = &of_t, .count = 0};
-    meet_outlines(&p);
-    int count = 0;
-    for (int i = 0; i < p.count && count < most; i++)
-        if (p.spots[i].depth <= deepest) write_row(&p, i, sign, &rows[count++]);
-    return count;
 }
 
 /* Contacts of two that lie flat on each other, by the normal that ODE found; 0: they don't, or ODE's will do. */
@@ -284,7 +253,7 @@ static int collide_flat(const oo_geom *first, const oo_geom *second, const doubl
         meet_outlines(&p);
     }
     for (int i = 0; i < p.count; i++) {
-        write_row(&p, i, 1, &rows[i]);
+        write_row(&p, i, &rows[i]);
         rows[i].g1 = first->id;
         rows[i].g2 = second->id;
     }
@@ -441,7 +410,7 @@ int collide_well(const oo_geom *a, const oo_geom *b, int most, dContactGeom *row
     int plane = dGeomGetClass(a->id) == dPlaneClass || dGeomGetClass(b->id) == dPlaneClass;
     if (either & (OO_IS_RAY | OO_IS_HEIGHTFIELD) || (plane && !mesh) || (!mesh && !solid_pair)) return collide_pair(a, b, most, rows, skip);
     dContactGeom all[PLENTY_OF_ROWS];
-    int found = mesh ? collide_mesh(a, b, PLENTY_OF_ROWS, all) : collide_pair(a, b, PLENTY, all, sizeof *all);
+    int found = mesh ? collide_mesh(a, b, all) : collide_pair(a, b, PLENTY, all, sizeof *all);
     if (!found) return 0;
     if (solid_pair) {
         int deepest = 0;

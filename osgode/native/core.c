@@ -20,6 +20,7 @@ oo_world *oo_world_new(void) {
     w->surface_count = PAIR_SURFACES;
     w->bad_body = -1;
     w->max_contacts = 1;
+    w->edited = 1;
     int made = 0;
     if (w->surfaces && w->directions && !guard_enter()) {
         w->id = dWorldCreate();
@@ -70,6 +71,7 @@ void oo_world_free(oo_world *w) {
     free(w->surfaces);
     free(w->directions);
     free(w->contacts);
+    free(w->islands);
     free(w->feedback);
     free(w->touching);
     free(w->touched);

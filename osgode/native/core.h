@@ -129,6 +129,33 @@ typedef struct oo_glide {
     double next[7], velocity[6];    /* of this step; the velocity of the centre of mass */
 } oo_glide;
 
+typedef struct oo_island {
+    unsigned int parent;            /* a body that it touches or is joined to; of the first of them, itself */
+    int awake;                      /* of the first: one of them is */
+} oo_island;
+
+/* Seconds since Python set them to 0, of whole steps. */
+typedef struct oo_timings {
+    double collide;                 /* finding pairs, and their contacts */
+    double respond;                 /* making joints of these */
+    double solve;                   /* moving the bodies */
+    double report;                  /* what touches, breaks and is out of bounds; poses for the picture */
+    unsigned int steps;
+} oo_timings;
+
+/* What is to be known of a body that the tables of poses don't tell. */
+typedef struct oo_body_state {
+    double com[3];                  /* centre of mass in the frame */
+    int asleep, kinematic;
+} oo_body_state;
+
+/* Of a slot. */
+typedef struct oo_geom_state {
+    double low[3], high[3];         /* its box along the world's axes; may be infinite */
+    unsigned int flags;             /* enum oo_geom_flags; without OO_ALIVE, or of a space, the box is 0 */
+    int enabled;
+} oo_geom_state;
+
 typedef struct oo_broad oo_broad;
 
 typedef struct oo_query {
@@ -175,6 +202,7 @@ typedef struct oo_world {
     unsigned int pair_count;
     oo_pair *declared;              /* those of them that are not nested */
     unsigned int declared_count;
+    int edited;                     /* what stands where may have been changed since it looked last, not by a step */
     int pairs_are_new;              /* since osgode's own broad phase looked last */
     int ode_broad;                  /* pairs are found by ODE's spaces, in their order */
     oo_broad *broad;
@@ -184,6 +212,8 @@ typedef struct oo_world {
 
     oo_contact *contacts;
     unsigned int contact_count, contact_capacity;
+    oo_island *islands;             /* by body, while contacts become joints */
+    unsigned int island_capacity, asleep_count; /* bodies that slept after the last step */
     dJointFeedback *feedback;
     unsigned int feedback_count, feedback_capacity;
 
@@ -204,6 +234,7 @@ typedef struct oo_world {
     unsigned int broken_count, broken_capacity;
     dJointGroupID contact_group;
     dThreadingImplementationID threading;
+    oo_timings timings;
 } oo_world;
 
 typedef struct oo_live { long worlds, bodies, geoms, spaces, joints, meshes, blocks, bytes; } oo_live;
@@ -311,3 +342,7 @@ void oo_body_set_tunnelling(oo_world *, unsigned int index, int tunnelling);
 int oo_body_take_warning(oo_world *, unsigned int index);
 /* Linear velocity of the frame, angular velocity: 6 doubles a body. */
 void oo_export_velocities(const oo_world *, double *out);
+/* All joints (1 or 0 each), all bodies, and all slots. */
+void oo_export_enabled(const oo_world *, unsigned char *out);
+void oo_export_bodies(const oo_world *, oo_body_state *out);
+void oo_export_geoms(const oo_world *, oo_geom_state *out);

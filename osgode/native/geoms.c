@@ -24,6 +24,7 @@ static int fill_slot(oo_world *w, int slot, dGeomID id, unsigned int flags, oo_m
     }
     w->geoms[slot] = (oo_geom){.id = id, .mesh = mesh, .category = ~0u, .collide = ~0u, .flags = OO_ALIVE | flags};
     dGeomSetData(id, (void *)(size_t)slot);
+    if (flags & OO_IS_SPACE) w->pairs_are_new = 1;
     return slot;
 }
 

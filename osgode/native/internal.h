@@ -43,7 +43,7 @@ HIDDEN int reserve(void *array, unsigned int *capacity, size_t wanted, size_t el
 HIDDEN void random_begin(const oo_world *);
 HIDDEN void random_end(oo_world *);
 
-struct box_tree;
+struct triangle_tree;
 
 /* What geoms are made from. */
 struct oo_mesh {
@@ -51,7 +51,8 @@ struct oo_mesh {
     double *vertices;                 /* x y z; of a heightfield the heights alone, x running fastest */
     unsigned int vertex_count;
     unsigned int triangle_count;      /* of a mesh, and of a hull as a mesh */
-    struct box_tree *tree;            /* of them, made when it is first wanted */
+    struct triangle_tree *tree;       /* of them, made when it is first wanted */
+    double (*normals)[3];             /* made with it; zeros for those without an area */
     unsigned int *triangles;          /* of a solid hull with a 3 before each, as ODE's polygons */
     double *planes;                   /* of a hull, one per triangle: outward normal n and n . p */
     unsigned int plane_count;
@@ -102,15 +103,14 @@ HIDDEN int collide_pair(const oo_geom *, const oo_geom *, int most, dContactGeom
 
 enum { PLENTY_OF_ROWS = 512 };
 
+static const double FLAT = 0.9945, ALONG = 0.1045; /* cosine and sine of 6 degrees: within it, it lies flat */
+
 /* Without those that others make needless: the same, or in the middle of others. size: of the smaller thing. */
 HIDDEN int merge_rows(dContactGeom *, int count, double size);
 /* The same with contacts that let things lie still and roll over meshes; of too many, those that span the most. */
 HIDDEN int collide_well(const oo_geom *, const oo_geom *, int most, dContactGeom *rows, int skip);
-/* Its part for pairs with a mesh, without a limit to speak of. */
-HIDDEN int collide_mesh(const oo_geom *, const oo_geom *, int most, dContactGeom *rows);
-/* Where a geom lies flat on a triangle (in the world) with this normal, no deeper than that; rows have sign * n. */
-HIDDEN int lie_on_triangle(const oo_geom *, const double (*t)[3], const double *n, double deepest, double sign, int most,
-                           dContactGeom *rows);
+/* Its part for pairs with a mesh, up to PLENTY_OF_ROWS. */
+HIDDEN int collide_mesh(const oo_geom *, const oo_geom *, dContactGeom *rows);
 
 static inline dContactGeom *row_at(dContactGeom *rows, int index, int skip) {
     return (dContactGeom *)((char *)rows + (size_t)index * (size_t)skip);
@@ -199,8 +199,12 @@ HIDDEN void lock_meshes(int wanted);
 HIDDEN int usable(const dContactGeom *);
 /* Whether a contact is to make a joint. */
 HIDDEN int row_acts(const oo_world *, const oo_contact *);
+/* Of this step's contacts and joints; then whether a body is awake, or is about to be woken by what is. */
+HIDDEN int find_islands(oo_world *);
+HIDDEN int is_awake(const oo_world *, dBodyID);
 
-/* The triangles whose boxes meet a box, in the axes of the mesh. */
+/* The triangles whose boxes meet a box, in the axes of the mesh; by number, when their normals are there too. */
+HIDDEN int triangle_numbers_in(oo_mesh *, const double low[3], const double high[3], void (*visit)(void *, unsigned int), void *data);
 HIDDEN int triangles_in(oo_mesh *, const double low[3], const double high[3], void (*visit)(void *, const double *corners[3]), void *data);
 HIDDEN void triangles_free(oo_mesh *);
 

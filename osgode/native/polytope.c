@@ -141,7 +141,8 @@ static void try_spot(const polytope *a, const polytope *b, meeting *m, const dou
         if (hypot(m->spots[k].x[0] - x[0], m->spots[k].x[1] - x[1]) < 1e-4 * m->size) return;
     if (!span(a, m, x, &a_from, &a_to) || !span(b, m, x, &b_from, &b_to) || b_to <= a_from) return;
     double from = fmax(a_from, b_from), to = fmin(a_to, b_to);
-    if (from <= to) m->spots[m->count++] = (spot){{x[0], x[1]}, (from + to) / 2, b_to - a_from, INFINITY};
+    if (from > to + 1e-6 * m->size) return; /* a line through a corner may have but a point inside, give or take a rounding */
+    m->spots[m->count++] = (spot){{x[0], x[1]}, (from + to) / 2, b_to - a_from, INFINITY};
 }
 
 static void try_crossings(const polytope *a, const polytope *b, meeting *m, const outline *one, const outline *other) {

@@ -1,5 +1,7 @@
 /* One step of a World, and what it exports in bulk. */
 
+#include <time.h>
+
 #include "internal.h"
 
 static pthread_mutex_t mesh_lock = PTHREAD_MUTEX_INITIALIZER;
@@ -242,6 +244,8 @@ static int respond(oo_world *w) {
         }
     /* ODE writes only what its solver sees: nothing where all sleeps. */
     if (w->feedback_count) memset(w->feedback, 0, w->feedback_count * sizeof *w->feedback);
+    int selects = w->ode_broad && w->asleep_count; /* osgode's own way finds few contacts of sleepers */
+    if (selects && find_islands(w)) return OO_NO_MEMORY;
     if (guard_enter()) return OO_ASSERT;
     dContact contact;
     memset(&contact, 0, sizeof contact);
@@ -249,6 +253,7 @@ static int respond(oo_world *w) {
         oo_contact *row = &w->contacts[i];
         if (!row_acts(w, row)) continue;
         dBodyID body1 = dGeomGetBody(row->geom.g1), body2 = dGeomGetBody(row->geom.g2);
+        if (selects && !is_awake(w, body1) && !is_awake(w, body2)) continue;
         contact.surface = w->surfaces[row->surface];
         contact.geom = row->geom;
         direct(w, row, &contact);
@@ -303,9 +308,11 @@ static void find_bad_body(oo_world *w) {
 /* What sleeps on is where it was, and as sound as it was. */
 static void export_poses(oo_world *w) {
     w->bad_body = -1;
+    w->asleep_count = 0;
     for (unsigned int i = 0; i < w->body_count; i++) {
         oo_body *body = &w->bodies[i];
         int asleep = !dBodyIsEnabled(body->id);
+        w->asleep_count += (unsigned int)asleep;
         if (asleep && body->settled) continue;
         body->settled = asleep;
         memcpy(w->previous + 7 * i, w->poses + 7 * i, 7 * sizeof(double));
@@ -327,6 +334,35 @@ void oo_export_velocities(const oo_world *w, double *out) {
         out[1] = v[1] - (a[2] * arm[0] - a[0] * arm[2]);
         out[2] = v[2] - (a[0] * arm[1] - a[1] * arm[0]);
         memcpy(out + 3, a, 3 * sizeof *out);
+    }
+}
+
+void oo_export_enabled(const oo_world *w, unsigned char *out) {
+    for (unsigned int i = 0; i < w->joint_count; i++) out[i] = dJointIsEnabled(w->joints[i]->id) != 0;
+}
+
+void oo_export_bodies(const oo_world *w, oo_body_state *out) {
+    for (unsigned int i = 0; i < w->body_count; i++, out++) {
+        memcpy(out->com, w->bodies[i].com, sizeof out->com);
+        out->asleep = !dBodyIsEnabled(w->bodies[i].id);
+        out->kinematic = dBodyIsKinematic(w->bodies[i].id);
+    }
+}
+
+void oo_export_geoms(const oo_world *w, oo_geom_state *out) {
+    for (unsigned int i = 0; i < w->geom_count; i++, out++) {
+        const oo_geom *geom = &w->geoms[i];
+        memset(out, 0, sizeof *out);
+        if (!(geom->flags & OO_ALIVE)) continue;
+        out->flags = geom->flags;
+        out->enabled = dGeomIsEnabled(geom->id);
+        if (geom->flags & OO_IS_SPACE) continue;
+        dReal box[6];
+        dGeomGetAABB(geom->id, box);
+        for (int k = 0; k < 3; k++) {
+            out->low[k] = box[2 * k];
+            out->high[k] = box[2 * k + 1];
+        }
     }
 }
 
@@ -398,13 +434,22 @@ static void clean_up(oo_world *w) {
     find_bad_body(w);
 }
 
+/* The seconds since `last`, which is now. */
+static double lap(struct timespec *last) {
+    struct timespec before = *last;
+    clock_gettime(CLOCK_MONOTONIC, last);
+    return (double)(last->tv_sec - before.tv_sec) + 1e-9 * (double)(last->tv_nsec - before.tv_nsec);
+}
+
 int oo_run(oo_world *w, unsigned int count) {
     unsigned int done = 0;
+    struct timespec clock;
     if (w->broken) return OO_BROKEN;
     if (w->bad_body >= 0) find_bad_body(w);
     if (w->bad_body >= 0) return OO_BAD_BODY;
     dAllocateODEDataForThread(dAllocateMaskAll);
     w->broken_count = 0;
+    clock_gettime(CLOCK_MONOTONIC, &clock);
     while (done < count) {
         int status = OO_OK;
         if (!w->asking) {
@@ -413,26 +458,35 @@ int oo_run(oo_world *w, unsigned int count) {
             status = collide(w);
             if (status == OO_OK) find_asked(w);
             w->asking = status == OO_OK && w->asked_count;
+            w->timings.collide += lap(&clock);
             if (w->asking) break;
         }
         w->asking = 0;
         if (status == OO_OK) status = respond(w);
+        w->timings.respond += lap(&clock);
         if (status == OO_OK) {
+            if (w->glide_count) w->edited = 1; /* they may have fallen asleep on the way */
             begin_glides(w);
             status = integrate(w);
             if (status == OO_OK) end_glides(w);
             if (status == OO_OK && w->flagged_count) status = stop_fast_bodies(w);
             if (status == OO_ASSERT) clean_up(w);
         }
+        w->timings.solve += lap(&clock);
         if (status == OO_OK) status = compare_touches(w);
         dJointGroupEmpty(w->contact_group);
-        if (status != OO_OK) return status;
+        if (status != OO_OK) {
+            w->edited = 1;
+            return status;
+        }
         export_poses(w);
         w->steps++;
+        w->timings.steps++;
         done++;
         if (w->bad_body >= 0) return OO_BAD_BODY;
         if (w->gear_count) count_gears(w);
         if (w->breakable_count) find_broken_joints(w);
+        w->timings.report += lap(&clock);
         if (w->event_count || w->broken_count || w->too_fast_count) break;
     }
     return (int)done;

@@ -141,8 +141,11 @@ class PhysicsNode(HasFields, Node):
         twin._copy_from(self)
         if isinstance(self, Group) and isinstance(twin, Group):
             for child in self.children:
-                twin.attach(child.copy() if isinstance(child, PhysicsNode) else child)
+                twin.attach(child._twin())
         return twin
+
+    def _twin(self) -> Node:
+        return self.copy()
 
     def _copy_from(self, other: Any) -> None:
         for name, field in other.FIELDS.items():
@@ -171,7 +174,8 @@ class PhysicsNode(HasFields, Node):
 
         If it returns True it is scheduled again with the same delay: a controller. Calls due in one step are made in
         the order of their priorities, the highest first, then in that of scheduling. What one raises leaves
-        `World.step` when all have been made. When the node leaves its World its calls are dropped.
+        `World.step` when all have been made, and it isn't scheduled again. When the node leaves its World its calls are
+        dropped.
 
         Args:
             callback: what is called with this node.
@@ -181,7 +185,7 @@ class PhysicsNode(HasFields, Node):
 
         Raises:
             StateError: outside of a World.
-            FieldError: for a bad delay or priority, or what can't be called.
+            FieldError: for a bad delay or priority, both of delay and seconds, or what can't be called.
         """
         name = f"{self.describe()}.schedule()"
         world = self._live("schedule").world_ref
@@ -191,6 +195,8 @@ class PhysicsNode(HasFields, Node):
         if not callable(callback):
             raise FieldError(f"{name}: callback is {shown(callback)}; it must be callable with the node")
         if seconds is not None:
+            if delay != 1:
+                raise FieldError(f"{name}: give either delay or seconds")
             delay = max(round(SECONDS(name, "seconds", seconds) / owner.step_size), 1)
         count, rank = DELAY(name, "delay", delay), PRIORITY(name, "priority", priority)
         return owner._agenda.add(self, callback, count, rank, owner.steps)

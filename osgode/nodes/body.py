@@ -75,7 +75,7 @@ class Body(Listening, Tunnelling, Transform):
             StateError: outside of a World.
         """
         f = self._argument("add_force", "force", force, FORCE_LIMIT)
-        with self._live("add_force").editing():
+        with self._live("add_force").holding():
             if at is None:
                 lib.dBodyAddForce(self._id, *f)
             else:
@@ -91,7 +91,7 @@ class Body(Listening, Tunnelling, Transform):
     def add_torque(self, torque: Vec3Like) -> None:
         """Turn with ``torque`` (N m, world axes) during the next step."""
         t = self._argument("add_torque", "torque", torque, FORCE_LIMIT)
-        with self._live("add_torque").editing():
+        with self._live("add_torque").holding():
             lib.dBodyAddTorque(self._id, *t)
             lib.dBodyEnable(self._id)
 
@@ -132,7 +132,7 @@ class Body(Listening, Tunnelling, Transform):
         self.apply_angular_impulse(self.vector_to_world(j))
 
     def _kick(self, doing: str, linear: Vec3, angular: Vec3) -> None:
-        with self._live(doing).editing():
+        with self._live(doing).holding():
             if self.kinematic:
                 return
             properties = self.mass_properties
@@ -157,7 +157,7 @@ class Body(Listening, Tunnelling, Transform):
     def wake(self) -> None:
         """Let it move again if it has fallen asleep; pushes, hits and set velocities do so too."""
         if self._realm is not None:
-            with self._realm.editing():
+            with self._realm.holding():
                 lib.dBodyEnable(self._id)
 
     # -- joints and touching

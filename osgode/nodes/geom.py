@@ -310,6 +310,7 @@ class Geom(Listening):
 
     def _flag(self, flag: int, *, on: bool) -> None:
         if self._realm is not None:
+            self._realm.ptr.edited = 1
             row = self._realm.ptr.geoms[self._slot]
             row.flags = row.flags | flag if on else row.flags & ~flag
 

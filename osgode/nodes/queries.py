@@ -104,7 +104,7 @@ class Queries(PhysicsNode):
         row = self._ray("cast_ray", origin, direction, length)
         query, _keep = self._query(realm, "cast_ray", kinds, exclude)
         out = ffi.new("oo_hit *")
-        with realm.editing():
+        with realm.holding():
             checked(lib.oo_cast_rays(realm.ptr, query, row, 1, out), f"{self.describe()}.cast_ray()")
         return None if out.slot < 0 else _hit(realm, out)
 
@@ -121,7 +121,7 @@ class Queries(PhysicsNode):
         realm = self._live("cast_ray_through")
         row = self._ray("cast_ray_through", origin, direction, length)
         query, _keep = self._query(realm, "cast_ray_through", kinds, exclude)
-        with realm.editing():
+        with realm.holding():
             count = lib.oo_cast_ray_through(realm.ptr, query, row)
             checked(count, f"{self.describe()}.cast_ray_through()")
             return [_hit(realm, hit) for hit in ffi.unpack(realm.ptr.hits, count)] if count else []
@@ -151,7 +151,7 @@ class Queries(PhysicsNode):
         rows = self._ray_rows(origins, directions, lengths)
         query, _keep = self._query(realm, "cast_rays", kinds, exclude)
         out = np.empty(len(rows), HIT_ROW)
-        with realm.editing():
+        with realm.holding():
             status = lib.oo_cast_rays(
                 realm.ptr,
                 query,

@@ -25,6 +25,22 @@ if TYPE_CHECKING:
 POSE_WIDTH = 7
 
 
+class Held:
+    """Lets go of a lock that is held."""
+
+    __slots__ = ("_lock",)
+
+    def __init__(self, lock: Any) -> None:
+        self._lock = lock
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._lock.release()
+
+
 class Realm:
     """The natives of one World, the tables that C writes, and who may touch them.
 
@@ -51,6 +67,7 @@ class Realm:
         self.inherited: dict[str, Any] = {}
         self.pairs_changed = False
         self._lock = threading.RLock()
+        self._held = Held(self._lock)
         self._shared: dict[tuple[int, int], tuple[Any, object, int]] = {}
         self.ray_hits: dict[int, Any] | None = None
         self._own_surfaces: list[int] = []
@@ -63,7 +80,19 @@ class Realm:
     # -- one thread at a time
 
     def editing(self) -> Realm:
-        """Hold the World for a change: ``with realm.editing():``.
+        """Hold the World for a change: ``with realm.editing():``. The next step looks at everything anew.
+
+        Raises:
+            StateError: as `holding`.
+            PhysicsError: as `holding`.
+        """
+        self.holding()
+        return self
+
+    def holding(self) -> Held:
+        """Hold the World for a step, a question, or what does nothing to bodies but push and wake them.
+
+        For use as ``with realm.holding():``, but it holds from this call on.
 
         Raises:
             StateError: if another thread is changing or stepping it.
@@ -78,14 +107,17 @@ class Realm:
             raise StateError(
                 "another thread is stepping or changing this World; use one thread per World, or wait for it to be done"
             )
-        return self
+        return self._held
 
     def __enter__(self) -> Self:
+        self.ptr.edited = 1
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if self.ptr is not None:  # it may have been closed
+            self.ptr.edited = 1  # again: the block may have asked questions in between
         self._lock.release()
 
     # -- bodies
@@ -93,7 +125,7 @@ class Realm:
     def add_body(self, body: Body) -> int:
         """Make a native body and return its index in the tables."""
         if len(self._bodies) == len(self.poses):
-            self._grow_tables(2 * len(self.poses))
+            self._grow_tables(len(self.poses) + max(16, len(self.poses) // 4))
         index: int = lib.oo_body_new(self.ptr)
         if index >= 0:
             self._bodies.append(weakref.ref(body))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import weakref
+from time import perf_counter
 from typing import TYPE_CHECKING, Any, Self, Unpack
 
 import numpy as np
@@ -17,6 +18,7 @@ from osgode.maths import FloatArray, pose_matrices
 from osgode.native import checked, ffi, forward_messages, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes, refuse
 from osgode.nodes.body import Body
+from osgode.nodes.exports import NO_TIME, Exports
 from osgode.nodes.feedback import ask
 from osgode.nodes.listeners import errors_of_let_go, raise_all
 from osgode.nodes.queries import Queries
@@ -35,7 +37,7 @@ JOINT_ROW = row_dtype("oo_joint_state")
 log = logging.getLogger("osgode")
 
 
-class World(Listening, Queries, WorldSettings, Group):
+class World(Listening, Queries, Exports, WorldSettings, Group):
     """The root of a simulation: bodies and spaces attached below it exist in ODE.
 
     What is dropped with the World turns into plain data again and keeps its state. A World may be used by one
@@ -179,14 +181,18 @@ class World(Listening, Queries, WorldSettings, Group):
         """
         if count.__class__ is not int or count != 1:  # called once a step, so the usual case is not checked at length
             count = STEP_COUNT(f"{self.describe()}.step()", "count", count)
-        with self._live("step").editing() as realm:
+        realm = self._live("step")
+        with realm.holding():
             if realm.stepping:
                 raise StateError(f"{self.describe()}.step() was called from a listener inside a step")
             realm.stepping = True
+            started = perf_counter()
+            realm.ptr.timings = NO_TIME
             try:
                 self._step(realm, count)
             finally:
                 realm.stepping = False
+                self._took = perf_counter() - started
 
     def run(self, seconds: float | None = None, *, steps: int | None = None) -> None:
         """Simulate for a time, rounded to whole steps, or for a number of steps; see `step`."""

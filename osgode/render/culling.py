@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from osgode.graph.draw_list import largest_scales
 from osgode.graph.frame import Bin
 from osgode.graph.mesh import Mesh
 from osgode.maths import Float32Array, FloatArray
@@ -35,35 +35,41 @@ def encloses(mesh: Mesh) -> bool:
     return bool(volume > 0)
 
 
-def spheres(meshes: Sequence[Mesh], counts: Sequence[int], matrices: Float32Array) -> tuple[FloatArray, FloatArray]:
-    """The bounding spheres of instances: (n, 3) centres and (n,) radii in the world.
-
-    ``counts`` says how many of ``matrices`` belong to each mesh.
-    """
-    centres = np.repeat([(*mesh.centre, 1.0) for mesh in meshes], counts, axis=0)
-    radii = np.repeat([mesh.radius for mesh in meshes], counts)
-    stretch = np.sqrt((matrices[:, :3, :3].astype(np.float64) ** 2).sum(axis=1).max(axis=1))
-    return np.einsum("nij,nj->ni", matrices[:, :3], centres), radii * stretch
+def spheres(bins: Sequence[Bin]) -> FloatArray:
+    """The bounding spheres of all instances, one bin after another: (n, 4), centres and radii in the world."""
+    return np.concatenate([_spheres(one) if one.spheres is None else one.spheres for one in bins])
 
 
-def mirrored(matrices: Float32Array) -> npt.NDArray[np.bool_]:
-    """Which of (n, 4, 4) matrices turn a right hand into a left one, and so the outside in."""
-    return np.asarray(np.linalg.det(matrices[:, :3, :3]) < 0)
+def _spheres(one: Bin) -> FloatArray:
+    linear = one.matrices[:, :3, :3].astype(np.float64)
+    result = np.empty((len(linear), 4))
+    result[:, :3] = linear @ np.array(one.mesh.centre) + one.matrices[:, :3, 3]
+    result[:, 3] = one.mesh.radius * largest_scales(linear)
+    return result
+
+
+def mirrored(one: Bin) -> bool:
+    """Whether some instance's matrix turns a right hand into a left one, and so the outside in."""
+    if one.mirrored is None:
+        return bool((np.linalg.det(one.matrices[:, :3, :3]) < 0).any())
+    return one.mirrored
 
 
 def plain(bins: Sequence[Bin], eye: Sequence[float], near: float) -> list[bool]:
     """For each bin whether no instance is mirrored and none may hold the eye or be cut open by the near plane."""
     if not bins:
         return []
-    counts = [len(one.matrices) for one in bins]
-    owners = np.repeat(np.arange(len(bins)), counts)
-    matrices = np.concatenate([one.matrices for one in bins])
-    centres, radii = spheres([one.mesh for one in bins], counts, matrices)
+    around = spheres(bins)
     # The corners of the near plane are farther away than its middle; thrice is enough for any usual lens.
     margin = 3.0 * near
-    close = np.flatnonzero(((centres - eye) ** 2).sum(axis=1) < (radii + margin) ** 2)
-    odd = set(owners[mirrored(matrices)].tolist())
-    odd.update(owners[k] for k in close.tolist() if _in_box(bins[owners[k]].mesh, matrices[k], eye, margin))
+    offsets, reach = around[:, :3] - eye, around[:, 3] + margin
+    close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < reach * reach)
+    odd = {number for number, one in enumerate(bins) if mirrored(one)}
+    ends = np.cumsum([len(one.matrices) for one in bins])
+    for k, number in zip(close.tolist(), np.searchsorted(ends, close, side="right").tolist(), strict=True):
+        one = bins[number]
+        if _in_box(one.mesh, one.matrices[k - int(ends[number])], eye, margin):
+            odd.add(number)
     return [number not in odd for number in range(len(bins))]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,13 +11,15 @@ import numpy as np
 
 from osgode.errors import FieldError
 from osgode.graph.appearance import Appearance
-from osgode.graph.frame import Bin, Frame
+from osgode.graph.frame import MAX_LIGHTS, Bin, Frame, Light
 from osgode.maths import FloatArray
 from osgode.render import shaders
 from osgode.render.culling import plain
+from osgode.render.lines import LineDrawer
 from osgode.render.overlay import Overlay
 from osgode.render.resources import SHADOW_UNIT, TEXTURE_UNIT, FrameBlock, InstanceBuffer, Resources
 from osgode.render.shadows import Cascade, ShadowMap, light_axes, select
+from osgode.render.sprites import SpriteDrawer
 
 if TYPE_CHECKING:
     import moderngl
@@ -92,7 +95,11 @@ class GLRenderer:
         self._shadow_map = ShadowMap(context, self._resources, quality.shadow_size, quality.shadow_distances)
         self._sky_program = self._resources.program(shaders.SKY_VERTEX, shaders.SKY_FRAGMENT)
         self._sky = context.vertex_array(self._sky_program, [])
+        self._lines = LineDrawer(context, self._resources)
         self._overlay = Overlay(context, self._resources)
+        self._sprites = SpriteDrawer(context, self._resources)
+        self._lamps: list[str] = []
+        """What surfaces must do for the lights of the frame, as features of their shader."""
         self.counts = Counts()
 
     def draw(self, frame: Frame, target: moderngl.Framebuffer, size: tuple[int, int]) -> None:
@@ -131,7 +138,10 @@ class GLRenderer:
         context.disable(context.CULL_FACE)
         self._sky.render(vertices=3)
         draws += 1 + self._draw_transparent(frame.transparent, firsts[len(frame.opaque) :], shadowed, target)
+        draws += self._sprites.draw(frame.particles, target)
+        draws += self._draw_lines(frame, size, target, in_front=False)
         draws += self._draw_front(frame.front, firsts[len(frame.opaque) + len(frame.transparent) :], target)
+        draws += self._draw_lines(frame, size, target, in_front=True)
         draws += self._overlay.draw(frame.overlay, frame.size)
         self.counts = Counts(draws, sum(map(len, blocks)), self._resources.mesh_count, self._resources.texture_count)
 
@@ -150,7 +160,26 @@ class GLRenderer:
             cascades=[cascade.uniform() for cascade in cascades],
             # From a corner of the picture (x, y, 1) to the direction seen there.
             corner_to_world=view[:3, :3].T @ np.diag([1 / projection[0, 0], 1 / projection[1, 1], -1.0]),
+            **self._light_rows(frame.lights[:MAX_LIGHTS]),
         )
+
+    def _light_rows(self, lights: Sequence[Light]) -> dict[str, FloatArray]:
+        """The field of the lights, if there are any; dark ones fill up to a power of two, so that shaders are few."""
+        if not lights:
+            self._lamps = []
+            return {}
+        count = 1 << (len(lights) - 1).bit_length()
+        self._lamps = [f"LIGHTS {count}"]
+        rows = np.zeros((3 * MAX_LIGHTS, 4))
+        for k, light in enumerate(lights):
+            rows[3 * k] = (*light.position, light.reach**-2)
+            rows[3 * k + 1, :3], rows[3 * k + 2] = light.colour, (0.0, 0.0, 0.0, 1.0)
+            if light.direction is not None:
+                # 0 at the outer angle, 1 at the inner one, straight over the cosine.
+                steepness = 1.0 / max(math.cos(light.inner) - math.cos(light.outer), 1e-6)
+                rows[3 * k + 1, 3] = steepness
+                rows[3 * k + 2] = (*light.direction, -math.cos(light.outer) * steepness)
+        return {"lights": rows}
 
     def _draw_opaque(self, frame: Frame, firsts: list[int], shadowed: bool) -> int:
         view = frame.view
@@ -191,6 +220,18 @@ class GLRenderer:
             self._resources.mesh(one.mesh).draw(program, self._instances, first, len(one.matrices), "both")
         return len(bins)
 
+    def _draw_lines(self, frame: Frame, size: tuple[int, int], target: moderngl.Framebuffer, *, in_front: bool) -> int:
+        several = [lines for lines in frame.lines if lines.in_front == in_front]
+        if not several:
+            return 0
+        context = self._context
+        context.enable_only(context.BLEND if in_front else context.BLEND | context.DEPTH_TEST)
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        target.depth_mask = False
+        draws = self._lines.draw(several, size, frame.view)
+        target.depth_mask = True
+        return draws
+
     def _set_appearance(self, appearance: Appearance, shadowed: bool, *, cutout: bool) -> moderngl.Program:
         texture, features = appearance.texture, []
         if texture is not None:
@@ -201,6 +242,7 @@ class GLRenderer:
             self._resources.texture(texture).use(TEXTURE_UNIT)
         if not appearance.unlit:
             features += ["LIT", "SHADOWED"] if shadowed else ["LIT"]
+            features += self._lamps
             if appearance.shininess > POLISHED:
                 features.append("POLISHED")
         program = self._resources.surface(*features)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import moderngl
 
 ROW_BYTES = 16
-MATRIX_BYTES = 3 * ROW_BYTES
+MATRIX_BYTES = 4 * ROW_BYTES
 TEXTURE_UNIT, SHADOW_UNIT = 0, 1
 
 SRGB8, SRGB8_ALPHA8 = 0x8C41, 0x8C43
@@ -31,26 +31,28 @@ SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 class InstanceBuffer:
     """The matrices of every instance of a frame, one after another, written at once.
 
-    A matrix is stored without its last row, which is always (0, 0, 0, 1).
+    Three buffers take turns, so that none is written while the driver may still read it; a driver that is handed
+    fresh memory for each frame instead has to find it first, which for a software rasteriser is half of the work.
     """
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
-        self._capacity = 1024
-        self.buffer = context.buffer(reserve=self._capacity * MATRIX_BYTES, dynamic=True)
+        self._buffers = [context.buffer(reserve=1024 * MATRIX_BYTES, dynamic=True) for _ in range(3)]
+
+    @property
+    def buffer(self) -> moderngl.Buffer:
+        """The buffer of this frame."""
+        return self._buffers[0]
 
     def write(self, blocks: Sequence[Float32Array]) -> list[int]:
         """Replace the contents by ``blocks``, each (n, 4, 4); returns the number of each block's first instance."""
+        self._buffers.append(self._buffers.pop(0))
         ends: list[int] = np.cumsum([0, *map(len, blocks)]).tolist()
-        count = ends[-1]
-        if count > self._capacity:
-            self._capacity = 2 * count
-            self.buffer = self._context.buffer(reserve=self._capacity * MATRIX_BYTES, dynamic=True)
-        else:
-            # Fresh storage: the driver needn't wait until the last frame's draws have read the old one.
-            self.buffer.orphan()
-        if count:
-            self.buffer.write(np.concatenate([block[:, :3] for block in blocks], dtype=np.float32))
+        needed = ends[-1] * MATRIX_BYTES
+        if needed > self._buffers[0].size:
+            self._buffers[0] = self._context.buffer(reserve=2 * needed, dynamic=True)
+        if needed:
+            self._buffers[0].write(np.concatenate(blocks, dtype=np.float32))
         return ends[:-1]
 
 

@@ -10,6 +10,8 @@ program is compiled, not while it runs.
 
 from __future__ import annotations
 
+from osgode.graph.frame import MAX_LIGHTS
+
 POSITION, NORMAL, UV, ROWS = 0, 1, 2, 3
 """Locations of the vertex attributes; the three rows of an instance's matrix start at ROWS."""
 
@@ -24,10 +26,13 @@ FRAME_FIELDS = {
     "light_axes": 3,
     "cascades": 2,
     "corner_to_world": 3,
+    "lights": 3 * MAX_LIGHTS,  # place and 1 / reach squared; colour and steepness of the cone; direction and its offset
 }
 """The uniform block that all programs share: how many 4-vectors each field takes, in order."""
 
-_FRAME = """#version 330 core
+_FRAME = (
+    f"#version 330 core\n#define LAMPS {3 * MAX_LIGHTS}"
+    """
 layout(std140) uniform Frame {
     mat4 u_view_projection;
     vec4 u_eye;
@@ -39,12 +44,14 @@ layout(std140) uniform Frame {
     vec4 u_light_axes[3];
     vec4 u_cascades[2];
     vec4 u_corner_to_world[3];
+    vec4 u_lights[LAMPS];
 };
 
 vec3 to_light(vec3 v) {
     return vec3(dot(u_light_axes[0].xyz, v), dot(u_light_axes[1].xyz, v), dot(u_light_axes[2].xyz, v));
 }
 """
+)
 
 _INSTANCE = """
 layout(location = 0) in vec3 in_position;
@@ -155,6 +162,20 @@ vec3 shade(vec3 colour, vec3 to_eye) {
     vec3 sky = u_ambient.rgb * mix(GROUND, vec3(1.0), 0.5 + 0.5 * n.y);
     float highlight = max(dot(n, normalize(to_sun + to_eye)), 0.0);
     float strength = u_shininess * mix(0.3, 2.0, u_shininess);
+    float power = exp2(2.0 + 8.0 * u_shininess);
+    vec3 shine = sun * pow(highlight, power);
+#ifdef LIGHTS
+    for (int k = 0; k < 3 * LIGHTS; k += 3) {
+        vec3 way = u_lights[k].xyz - v_world;
+        float square = max(dot(way, way), 1e-8);
+        vec3 towards = way * inversesqrt(square);
+        float fade = max(1.0 - square * u_lights[k].w, 0.0);
+        float cone = clamp(u_lights[k + 2].w - u_lights[k + 1].w * dot(towards, u_lights[k + 2].xyz), 0.0, 1.0);
+        vec3 lamp = u_lights[k + 1].rgb * (fade * fade * cone * max(dot(n, towards), 0.0));
+        sun += lamp;
+        shine += lamp * pow(max(dot(n, normalize(towards + to_eye)), 0.0), power);
+    }
+#endif
     vec3 c = colour * (sky + sun);
 #ifdef POLISHED
     // The sky and the ground, mirrored: more at grazing angles, and in the surface's own colour elsewhere.
@@ -167,7 +188,7 @@ vec3 shade(vec3 colour, vec3 to_eye) {
     mirrored = mix(mirrored, above, smoothstep(-0.15, 0.1, way.y));
     c = mix(c, mirrored * mix(colour, vec3(1.0), fresnel), polish * mix(0.6, 0.9, fresnel));
 #endif
-    c += sun * (strength * pow(highlight, exp2(2.0 + 8.0 * u_shininess)));
+    c += shine * strength;
     // What is lit more than fully isn't cut off: from 0.8 on it bends over towards 1.
     vec3 over = max(c - 0.8, 0.0);
     return min(c, 0.8) + over / (1.0 + 5.0 * over);
@@ -193,6 +214,69 @@ void main() {
     float thickness = away * u_eye.w;
     colour = mix(u_horizon.rgb, colour, exp(-thickness * thickness));
     out_colour = vec4(encode(colour), base.a);
+}
+"""
+
+_SPRITE_VERTEX = """
+layout(location = 0) in vec4 in_place;
+layout(location = 1) in vec4 in_colour;
+layout(location = 2) in vec4 in_streak;
+
+out vec2 v_corner;
+out vec4 v_colour;
+out float v_haze;
+out vec3 v_side;
+out vec3 v_along;
+out vec3 v_towards;
+
+void main() {
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+    vec3 way = u_eye.xyz - in_place.xyz;
+    float away = length(way);
+    vec3 to_eye = way / max(away, 1e-6);
+    // What is seen of the streak; a round one stands upright in the picture.
+    vec3 streak = in_streak.xyz - to_eye * dot(in_streak.xyz, to_eye);
+    float drawn = length(streak);
+    vec3 up = abs(to_eye.y) < 0.999 ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+    vec3 along = drawn > 1e-5 ? streak / drawn : normalize(up - to_eye * dot(up, to_eye));
+    vec3 side = cross(along, to_eye);
+    vec3 place = in_place.xyz + corner.x * in_place.w * side + corner.y * (in_place.w + 0.5 * drawn) * along;
+    v_corner = corner;
+    vec3 c = in_colour.rgb;
+    c = mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+    // Before the eye it fades out, so that nobody runs into a wall of it.
+    v_colour = vec4(c, in_colour.a * smoothstep(0.2, 1.0, away / max(2.0 * in_place.w, 0.3)));
+    float thickness = away * u_eye.w;
+    v_haze = exp(-thickness * thickness);
+    v_side = side;
+    v_along = along;
+    v_towards = to_eye;
+    gl_Position = u_view_projection * vec4(place, 1.0);
+}
+"""
+
+_SPRITE_FRAGMENT = """
+in vec2 v_corner;
+in vec4 v_colour;
+in float v_haze;
+in vec3 v_side;
+in vec3 v_along;
+in vec3 v_towards;
+
+out vec4 out_colour;
+
+void main() {
+    float inner = max(1.0 - dot(v_corner, v_corner), 0.0);
+    float alpha = v_colour.a * inner * inner;
+#ifdef ADDITIVE
+    out_colour = vec4(encode(v_colour.rgb) * (alpha * v_haze), 0.0);
+#else
+    // As a ball that lets light through: brighter towards the sun, but nowhere black.
+    vec3 n = v_side * v_corner.x + v_along * v_corner.y + v_towards * sqrt(inner);
+    vec3 light = u_ambient.rgb * (0.85 + 0.15 * n.y) + u_sun.rgb * (0.4 + 0.35 * dot(n, u_to_sun.xyz));
+    vec3 colour = mix(u_horizon.rgb, v_colour.rgb * light, v_haze);
+    out_colour = vec4(encode(colour) * alpha, alpha);
+#endif
 }
 """
 
@@ -239,6 +323,10 @@ void main() {}
 SKY_VERTEX = _FRAME + _SKY_VERTEX
 SKY_FRAGMENT = _FRAME + _ENCODE + _SKY_FRAGMENT
 
+SPRITE_VERTEX = _FRAME + _SPRITE_VERTEX
+SPRITE_FRAGMENTS = tuple(_FRAME + define + _ENCODE + _SPRITE_FRAGMENT for define in ("", "#define ADDITIVE\n"))
+"""For those that hide what is behind them, and for those that add to it."""
+
 OVERLAY_VERTEX = """#version 330 core
 layout(location = 0) in vec2 in_place;
 layout(location = 1) in vec2 in_uv;
@@ -274,8 +362,73 @@ void main() {
 """
 )
 
+LINE_VERTEX = (
+    _FRAME
+    + """
+layout(location = 0) in vec3 in_start;
+layout(location = 1) in vec3 in_end;
+layout(location = 2) in vec4 in_colour;
+
+uniform vec2 u_half;
+uniform vec4 u_near;
+uniform vec2 u_width;
+uniform float u_nearer;
+
+out vec4 v_colour;
+out float v_across;
+
+void main() {
+    // What lies on a surface must not be hidden by it: nearer to the eye, at the same place of the picture.
+    vec3 start = mix(in_start, u_eye.xyz, u_nearer);
+    vec3 end = mix(in_end, u_eye.xyz, u_nearer);
+    // Behind the eye there is no place in the picture: the line is cut off at the near plane.
+    float a = dot(u_near, vec4(start, 1.0)), b = dot(u_near, vec4(end, 1.0));
+    if (a < 0.0 && b < 0.0) {
+        gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+        return;
+    }
+    vec3 whole = end - start;
+    if (a < 0.0) {
+        start += whole * (a / (a - b));
+    } else if (b < 0.0) {
+        end -= whole * (b / (b - a));
+    }
+    vec4 p = u_view_projection * vec4(start, 1.0), q = u_view_projection * vec4(end, 1.0);
+    vec2 along = (q.xy / q.w - p.xy / p.w) * u_half;
+    float pixels = length(along);
+    along = pixels > 1e-6 ? along / pixels : vec2(1.0, 0.0);
+    float side = float(gl_VertexID & 1) * 2.0 - 1.0, last = float(gl_VertexID >> 1) * 2.0 - 1.0;
+    float reach = 0.5 * (u_width.x + u_width.y);
+    vec4 corner = last > 0.0 ? q : p;
+    // Longer by half its width, so that corners are closed.
+    vec2 off = vec2(-along.y, along.x) * (side * reach) + along * (last * 0.5 * u_width.x);
+    corner.xy += off / u_half * corner.w;
+    gl_Position = corner;
+    v_colour = in_colour;
+    v_across = side * reach;
+}
+"""
+)
+
+LINE_FRAGMENT = """#version 330 core
+in vec4 v_colour;
+in float v_across;
+
+uniform vec2 u_width;
+
+out vec4 out_colour;
+
+void main() {
+    float inside = clamp((0.5 * (u_width.x + u_width.y) - abs(v_across)) / u_width.y, 0.0, 1.0);
+    out_colour = vec4(v_colour.rgb, v_colour.a * inside);
+}
+"""
+
 
 def surface(*features: str) -> tuple[str, str]:
-    """The vertex and the fragment shader of surfaces with some of TEXTURED, CUTOUT, LIT, SHADOWED and POLISHED."""
+    """The vertex and the fragment shader of surfaces.
+
+    With some of TEXTURED, CUTOUT, LIT, SHADOWED, POLISHED, and LIGHTS with the number of lights beside the sun.
+    """
     defines = "".join(f"#define {feature}\n" for feature in features)
     return _FRAME + _INSTANCE + _SURFACE_VERTEX, _FRAME + defines + _ENCODE + _SURFACE_FRAGMENT

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -76,29 +77,33 @@ def select(
 
     Instances of the same mesh are drawn together, whatever they look like.
     """
-    groups: dict[Mesh, list[Float32Array]] = {}
+    groups: dict[Mesh, list[Bin]] = {}
     for caster in casters:
         if len(caster.matrices):
-            groups.setdefault(caster.mesh, []).append(caster.matrices)
+            groups.setdefault(caster.mesh, []).append(caster)
     if not groups:
         return [(np.zeros((0, 4, 4), np.float32), []) for _ in cascades]
-    matrices = np.concatenate([block for blocks in groups.values() for block in blocks])
-    counts = [sum(map(len, blocks)) for blocks in groups.values()]
-    starts = np.cumsum([0, *counts[:-1]])
-    centres, radii = spheres(list(groups), counts, matrices)
-    places = centres @ axes.T
-    turned = np.logical_or.reduceat(mirrored(matrices), starts).tolist()
+    bins = [one for same in groups.values() for one in same]
+    matrices, around = np.concatenate([one.matrices for one in bins]), spheres(bins)
+    counts = [sum(len(one.matrices) for one in same) for same in groups.values()]
+    borders = np.cumsum([0, *counts])
+    places, radii = around[:, :3] @ axes.T, around[:, 3]
+    turned = [any(map(mirrored, same)) for same in groups.values()]
 
     result = []
     for cascade in cascades:
         away = places - cascade.centre
         reach = cascade.radius + radii
         # Nothing is too near the sun to throw a shadow.
-        inside = (np.abs(away[:, :2]) <= reach[:, None]).all(axis=1) & (away[:, 2] >= -reach)
-        kept = np.add.reduceat(inside, starts, dtype=np.int64).tolist()
-        firsts = np.cumsum([0, *kept[:-1]]).tolist()
-        runs = [Run(*run) for run in zip(groups, firsts, kept, turned, strict=True) if run[2]]
-        result.append((matrices[inside], runs))
+        inside = (np.abs(away[:, 0]) <= reach) & (np.abs(away[:, 1]) <= reach) & (away[:, 2] >= -reach)
+        chosen = np.flatnonzero(inside)
+        ends = np.searchsorted(chosen, borders).tolist()
+        runs = [
+            Run(mesh, first, end - first, odd)
+            for mesh, (first, end), odd in zip(groups, pairwise(ends), turned, strict=True)
+            if first < end
+        ]
+        result.append((matrices.take(chosen, axis=0), runs))
     return result
 
 

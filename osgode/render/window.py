@@ -48,21 +48,19 @@ class Window:
         self._pygame = require("pygame")
         self.closed = False
         try:
-            self._make(size, quality.samples, vsync)
-            self._pygame.display.set_caption(title)
+            self._make(size, title, quality.samples, vsync)
             self._context: moderngl.Context = gl.create_context(require=330)
         except Exception as error:  # moderngl raises no better one
             self._pygame.display.quit()
             raise OsgodeError(NO_WINDOW.format(reason=error)) from error
         self._open = True
-        self._full_screen = False
         self._current: AbstractContextManager[object] = self._context
         if self._pygame.display.get_driver() in EGL_DRIVERS:
             self._current = nullcontext()  # current since it was made: OffscreenDrawer puts it back
         with self._current:
             self._renderer = GLRenderer(self._context, quality)
 
-    def _make(self, size: tuple[int, int], samples: int, vsync: bool) -> None:
+    def _make(self, size: tuple[int, int], title: str, samples: int, vsync: bool) -> None:
         """Open the window, or raise what pygame raises."""
         pg = self._pygame
         pg.display.init()
@@ -81,6 +79,7 @@ class Window:
         for wanted, wait in attempts:
             pg.display.gl_set_attribute(pg.GL_MULTISAMPLEBUFFERS, int(wanted > 1))
             pg.display.gl_set_attribute(pg.GL_MULTISAMPLESAMPLES, wanted if wanted > 1 else 0)
+            pg.display.set_caption(title)  # forgotten when an attempt fails
             try:
                 pg.display.set_mode(size, pg.OPENGL | pg.DOUBLEBUF | pg.RESIZABLE, vsync=int(wait))
             except pg.error:
@@ -93,18 +92,27 @@ class Window:
     def size(self) -> tuple[int, int]:
         """Width and height of the window's inside as it is now, pixels."""
         width, height = self._pygame.display.get_window_size()
-        return width, height
+        return max(width, 1), max(height, 1)  # some systems give one that is minimised no height
 
     @property
     def full_screen(self) -> bool:
         """Whether it takes the whole screen; set it to change that."""
-        return self._full_screen
+        return self._open and bool(self._pygame.display.is_fullscreen())
 
     @full_screen.setter
     def full_screen(self, value: bool) -> None:
-        if self._open and bool(value) != self._full_screen:
+        if self._open and bool(value) != self.full_screen:
             self._pygame.display.toggle_fullscreen()
-            self._full_screen = bool(value)
+
+    @property
+    def focused(self) -> bool:
+        """Whether it has the keyboard."""
+        return self._open and bool(self._pygame.key.get_focused())
+
+    @property
+    def minimised(self) -> bool:
+        """Whether it can't be seen because the user put it away."""
+        return self._open and not self._pygame.display.get_active()
 
     @property
     def renderer(self) -> str:
@@ -127,13 +135,15 @@ class Window:
         return events
 
     def draw(self, frame: Frame) -> None:
-        """Draw one picture and show it.
+        """Draw one picture and show it; nothing while it is minimised.
 
         Raises:
             StateError: if `close` was called.
         """
         if not self._open:
             raise StateError("the Window is closed")
+        if self.minimised:  # some systems let a program wait until its window is seen again
+            return
         with self._current:
             self._renderer.draw(frame, self._context.screen, self.size)
             self._pygame.display.flip()

@@ -34,9 +34,11 @@ def test_dragging_turns_the_camera_and_stops_its_own_turning():
 class FakeWindow(RecordingDrawer):
     """As the real one, but it only records; closed by the user after some frames."""
 
+    focused = True
+
     def __init__(self, lasts):
         super().__init__()
-        self.lasts, self.closed, self.size = lasts, False, (64, 36)
+        self.lasts, self.closed, self.size, self.focused = lasts, False, (64, 36), True
 
     def pump(self):
         import pygame

@@ -17,60 +17,21 @@ from osgode.errors import TreeError
 from osgode.graph.appearance import Appearance
 from osgode.graph.cull import CullVisitor
 from osgode.graph.drawable import Drawable
-from osgode.graph.frame import Bin, Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Frame, Rectangle, Sky, Sun, Text, View
 from osgode.graph.leaf import Leaf, Switch
 from osgode.graph.mesh import Mesh
 from osgode.graph.node import Group, Node
 from osgode.graph.primitives import box_mesh
 from osgode.graph.shapes import box_drawable, sphere_drawable
-from osgode.graph.transforms import MatrixTransform, PoseSource, PositionAttitudeTransform, Transform
+from osgode.graph.transforms import MatrixTransform, PositionAttitudeTransform, Transform
 from osgode.maths import FloatArray, Pose, Quat, Vec3, look_at
+from tests.graph.graphs import RED, Body, World, at, ball, places
 
 SIZE = (800, 600)
-RED, BLUE = Appearance((1, 0, 0)), Appearance((0, 0, 1))
+BLUE = Appearance((0, 0, 1))
 GLASS = Appearance((1, 1, 1, 0.5))
 FAR_VIEW = View(Pose(Vec3(0, 0, 2000)), field_of_view=1.0, far=5000)
 """From so far away that everything near the origin is in the picture."""
-
-
-class World(Group):
-    """Stands in for a physics World: poses in a table, counted readings."""
-
-    def __init__(self, poses: list[Pose]) -> None:
-        super().__init__(name="world")
-        self.poses = poses
-        self.asked: list[float] = []
-
-    def matrices(self, interpolation: float) -> FloatArray:
-        self.asked.append(interpolation)
-        return np.array([pose.matrix() for pose in self.poses])
-
-
-class Body(Transform):
-    """Stands in for a Body: a row of a World's table."""
-
-    def __init__(self, source: PoseSource, row: int) -> None:
-        super().__init__()
-        self.source, self.row = source, row
-
-    def local_matrix(self) -> FloatArray:
-        raise AssertionError("a body in a World is drawn from the World's table")
-
-    def pose_row(self) -> tuple[PoseSource, int]:
-        return self.source, self.row
-
-
-def at(x: float, y: float = 0.0, z: float = 0.0) -> PositionAttitudeTransform:
-    return PositionAttitudeTransform(position=(x, y, z))
-
-
-def ball(look: Appearance = RED, radius: float = 0.5) -> Leaf:
-    return Leaf([sphere_drawable(radius, look)])
-
-
-def places(bins: list[Bin]) -> list[tuple[float, ...]]:
-    """Where the instances of the bins are, in order."""
-    return [tuple(np.round(matrix[:3, 3].astype(np.float64), 4).tolist()) for each in bins for matrix in each.matrices]
 
 
 def cull(root: Node, view: View = FAR_VIEW, **options: Sun) -> Frame:
@@ -302,6 +263,75 @@ def test_a_quiet_tree_is_walked_once() -> None:
     assert len(asked) == 1
 
 
+def test_only_what_has_changed_is_walked_again() -> None:
+    """Bodies below which nothing is different are taken over, whatever happens beside them."""
+    asked: list[int] = []
+
+    class Watched(Leaf):
+        number = 0
+
+        def drawables(self) -> tuple[Drawable, ...]:
+            asked.append(self.number)
+            return super().drawables()
+
+    world = World([Pose(Vec3(x, 0, 0)) for x in range(4)])
+    bodies, leaves = [], []
+    for row in range(3):
+        body = world.attach(Body(world, row))
+        leaf = body.attach(Watched([sphere_drawable(1)]))
+        leaf.number = row
+        bodies.append(body)
+        leaves.append(leaf)
+    visitor = CullVisitor(world)
+
+    def cull_again() -> tuple[list[tuple[float, ...]], list[int]]:
+        asked.clear()
+        return places(visitor.cull(FAR_VIEW, SIZE).opaque), asked
+
+    assert cull_again() == ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [0, 1, 2])
+    world.attach(at(9)).attach(ball())
+    assert cull_again()[1] == []
+    leaves[1].add_drawable(sphere_drawable(1, BLUE))
+    assert cull_again()[1] == [1]
+    world.detach(bodies[0])
+    assert cull_again()[1] == []
+    bodies[2].row = 3  # as the last body's row, when another leaves
+    bodies[2]._touch()
+    found, again = cull_again()
+    assert again == [2]
+    assert sorted(found) == [(1, 0, 0), (1, 0, 0), (3, 0, 0), (9, 0, 0)]
+
+
+@given(graphs(), st.data())
+def test_a_visitor_that_has_seen_all_changes_sees_what_a_new_one_sees(root: Group, data: st.DataObject) -> None:
+    """Hiding, moving house and adding, above, in and below what moves: nothing old is taken over wrongly."""
+    visitor = CullVisitor(root)
+    for _ in range(data.draw(st.integers(1, 5))):
+        nodes = list(root.walk())
+        node = data.draw(st.sampled_from(nodes))
+        act = data.draw(st.sampled_from(["hide", "show", "add", "leave", "turn", "switch"]))
+        if act in ("hide", "show"):
+            node.visible = act == "show"
+        elif act == "add" and isinstance(node, Group):
+            node.attach(Leaf([data.draw(st.sampled_from(DRAWABLES))]))
+        elif act == "leave" and node.parents:
+            node.parents[-1].detach(node)
+        elif act == "turn" and isinstance(node, PositionAttitudeTransform):
+            node.position = data.draw(st.tuples(small, small, small))
+        elif act == "switch":
+            for each in nodes:
+                if isinstance(each, Switch):
+                    each.on = not each.on
+        for one, other in zip(frame_parts(visitor.cull(FAR_VIEW, SIZE)), frame_parts(cull(root)), strict=True):
+            assert one == other
+
+
+def frame_parts(frame: Frame) -> list[list[tuple[Mesh, Appearance, bytes]]]:
+    """All that there is to compare of a frame's bins."""
+    lists = (frame.opaque, frame.transparent, frame.casters)
+    return [[(each.mesh, each.appearance, each.matrices.tobytes()) for each in bins] for bins in lists]
+
+
 def test_frames_keep_what_they_showed() -> None:
     """A Frame isn't changed by the pictures after it."""
     world = World([Pose(Vec3(1, 0, 0))])
@@ -471,3 +501,22 @@ def test_a_window_without_height() -> None:
     root = Group()
     root.attach(ball())
     assert CullVisitor(root).cull(FAR_VIEW, (0, 0)).size == (0, 0)
+
+
+@given(graphs())
+def test_bins_carry_their_bounds(root: Group) -> None:
+    """Each copy comes with a sphere that holds its every vertex, and mirrored ones are announced."""
+    mirror = MatrixTransform(np.diag([-1.0, 1.0, 1.0, 1.0]))
+    mirror.attach(root)
+    for top in (root, mirror):
+        frame = cull(top)
+        for each in frame.opaque + frame.transparent + frame.casters:
+            assert each.spheres is not None
+            assert each.spheres.shape == (len(each.matrices), 4)
+            matrices = each.matrices.astype(float)
+            for matrix, sphere in zip(matrices, each.spheres, strict=True):
+                corners = each.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+                assert np.linalg.norm(corners - sphere[:3], axis=1).max() <= sphere[3] + 1e-4
+            turned = bool((np.linalg.det(matrices[:, :3, :3]) < 0).any())
+            assert each.mirrored or not turned
+            assert turned or not each.mirrored or each not in frame.opaque

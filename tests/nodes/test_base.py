@@ -22,7 +22,9 @@ from tests.trees import Rig, assert_photos_agree, is_consistent, photo
 
 # -- who may stand under whom
 
-VISUAL = {"Group", "PositionAttitudeTransform", "MatrixTransform", "Switch"}
+VISUAL = {"Group", "PositionAttitudeTransform", "MatrixTransform", "Switch", "LevelOfDetail"}
+VISUAL |= {"Projection", "OverlayNode"}
+LEAVES = {"Leaf", "LineSet", "Particles", "PointLight", "SpotLight"}
 SPACES = {"SimpleSpace", "HashSpace", "QuadTreeSpace", "SweepAndPruneSpace"}
 GROUPS = VISUAL | SPACES | {"World", "Body", "Placeable", "CentreOfMass"}
 
@@ -36,7 +38,7 @@ ALLOWED = {
         ("Box", "Sphere", "Capsule", "Cylinder", "Trimesh", "ConvexHull", "Heightfield", "Ray"), SPACES | {"Placeable"}
     ),
     "Plane": SPACES,
-    **dict.fromkeys(VISUAL | {"Leaf"}, GROUPS),
+    **dict.fromkeys(VISUAL | LEAVES, GROUPS),
 }
 """The rules of spec N1, written down a second time."""
 

@@ -400,3 +400,25 @@ def test_turning_is_cut_off_at_the_limit():
     body = world.attach(oo.Body(angular_velocity=(0, 100, 0), max_angular_speed=10.0))
     world.step(2)
     assert body.angular_velocity.length == pytest.approx(10.0)
+
+
+@given(floats(0, 1), vectors(5), vectors(5))
+def test_interpolated_pose_is_between_the_last_two_steps(interpolation, velocity, spin):
+    """That of the body alone, with the numbers that the picture of all bodies has; the rotation of length 1."""
+    world = oo.World(gravity=(0, 0, 0))
+    other, body = (world.attach(oo.Body(position=(k, 2, 3))) for k in range(2))
+    body.linear_velocity, body.angular_velocity = velocity, spin
+    assert body.interpolated_pose(interpolation).position == (1, 2, 3)
+    world.step(3)
+    pose = body.interpolated_pose(interpolation)
+    assert (*pose.position, *pose.rotation) == pytest.approx(world.interpolated_poses(interpolation)[1])
+    h = world.step_size
+    assert pose.position == pytest.approx(oo.Vec3(1, 2, 3) + oo.Vec3(*velocity) * (h * (2 + interpolation)), abs=1e-9)
+    assert math.hypot(*pose.rotation) == pytest.approx(1.0)
+    assert body.interpolated_pose(1.0) == body.pose
+    world.detach(other)
+    assert body.interpolated_pose(1.0) == body.pose, "though its row in the tables is another now"
+    body.position = (7, 8, 9)
+    assert body.interpolated_pose(interpolation).position == (7, 8, 9), "what is put somewhere doesn't streak there"
+    world.detach(body)
+    assert body.interpolated_pose(interpolation) == body.pose

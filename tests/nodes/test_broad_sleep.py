@@ -105,6 +105,39 @@ def test_the_same_bodies_wake_in_the_same_step_and_move_alike(scene):
     assert awake(own) == awake(ode)
 
 
+@settings(max_examples=40)
+@given(sleeping_scenes())
+def test_looking_at_all_that_sleeps_in_each_step_would_change_nothing(scene):
+    """Where only steps have changed anything, what slept and sleeps isn't looked at: a huge box neither."""
+    is_round, columns, gaps, joints, blow, target, later, second = scene
+
+    def course(*, everything):
+        each = world, moving, _floor, bodies = lay("own", is_round, columns, gaps, joints)
+        world.auto_disable = True
+        bodies[0].attach(oo.Placeable(position=(0, 0, 2))).attach(oo.Ray(length=3.0))
+        far = put(moving, (0, -1e3, 0), oo.Box((2e6, 1, 2e6), mass=1.0), name="far", enabled=False, kinematic=True)
+        put(moving, (300, -1e3, 0), oo.Sphere(0.5, mass=1.0), name="in it", kinematic=True)
+        log = []
+        for step in range(90):
+            if step == 2:
+                happen(blow, each, target)
+            if step == 40:
+                happen(later, each, second)
+            if step % 8 == 4:
+                far.wake()
+            if step % 8 == 6:
+                far.enabled = False
+            hit = world.cast_ray((0.1, 20, 0.1), (0, -1, 0)) if step % 7 == 3 else None
+            if everything:
+                world._realm.ptr.edited = 1
+            world.step()
+            pairs = [(int(row["slot1"]), int(row["slot2"])) for row in world.contacts]
+            log.append((pairs, awake(world), world.poses.tobytes(), hit and hit.distance))
+        return log
+
+    assert course(everything=False) == course(everything=True)
+
+
 def asleep_on(mode, support):
     """A box that sleeps on a support: the floor, a static box, a sleeping box; and what takes the support away."""
     world, moving, floor = ground(mode)

@@ -107,6 +107,61 @@ def test_two_cubes_face_to_face_touch_at_the_corners_of_where_they_overlap(solid
 
 
 @BOTH
+@given(
+    turn=st.floats(0.2, 1.3),
+    aside=st.floats(0, 2 * np.pi),
+    tilt=st.sampled_from([0.0, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2]),
+    other=st.sampled_from(["hull", "box"]),
+    swap=st.booleans(),
+)
+@settings(max_examples=60)
+def test_what_leans_a_little_keeps_all_its_corners(  # noqa: PLR0917
+    solid, turn, aside, tilt, other, swap
+):
+    """The corners are those of the octagon that two unit squares have in common.
+
+    Their sides are the lines n . x = 0.5 of eight directions n; neighbours meet at 0.5 / cos(a / 2) between them, if
+    their directions are a apart. Leaning by t moves a side by less than t, so where two cross by less than
+    t / sin(a); and 0.01 m deep in the middle no corner is out.
+    """
+    world, space = scene(gravity=(0, 0, 0))
+    lean = oo.Quat.from_axis_angle((np.cos(aside), 0, np.sin(aside)), tilt)
+    yaw = oo.Quat.from_axis_angle((0, 1, 0), turn)
+    below = lambda: oo.Box() if other == "box" else oo.ConvexHull(CUBE)  # noqa: E731
+    things = [(lambda: oo.ConvexHull(CUBE, solid=solid), (0, 0.99, 0), lean * yaw), (below, (0, 0, 0), None)]
+    for make, position, rotation in things[:: -1 if swap else 1]:
+        body = space.attach(oo.Body(position=position, rotation=rotation or oo.Quat(1, 0, 0, 0)))
+        body.attach(oo.Placeable()).attach(make())
+    world.step()
+    ways = np.sort(np.concatenate([np.arange(4) * np.pi / 2, np.arange(4) * np.pi / 2 - turn]) % (2 * np.pi))
+    gaps = np.diff(ways, append=ways[0] + 2 * np.pi)
+    far = 0.5 / np.cos(gaps / 2)
+    expected = np.column_stack([far * np.cos(ways + gaps / 2), far * np.sin(ways + gaps / 2)])
+    found = world.contacts["geom"]["pos"][:, [0, 2]]
+    assert len(found) == 8
+    for corner in expected:
+        assert np.hypot(*(found - corner).T).min() < tilt / np.sin(0.2) + 1e-6
+
+
+@BOTH
+@pytest.mark.parametrize("turn", [0.1, 0.3, 1.0])
+def test_what_rests_on_a_hull_keeps_its_contacts(solid, turn):
+    """The same in each step: where some are missing now and then, it hops."""
+    world, space = scene(contact_surface_layer=1e-3, step_size=1 / 120)
+    ground = oo.Placeable(position=(0, -0.5, 0))
+    space.attach(ground).attach(oo.ConvexHull(CUBE, solid=solid))
+    box = space.attach(oo.Body(position=(0.2, 0.5, 0), rotation=oo.Quat.from_axis_angle((0, 1, 0), turn)))
+    box.attach(oo.Placeable()).attach(oo.Box(density=500))
+    world.run(2)
+    counts = set()
+    for _ in range(480):
+        world.step()
+        counts.add(len(world.contacts))
+        assert box.linear_velocity.length < 1e-3
+    assert len(counts) == 1
+
+
+@BOTH
 @given(one=poses(0.8), other=poses(0.8), as_box=st.booleans())
 @example(
     one=oo.Pose(oo.Vec3(0, 0, 0), oo.Quat(1, 0, 0, 0)),

@@ -1,11 +1,12 @@
 """Frames to draw, made by hand: no nodes and no visitors are needed to test a renderer."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from osgode.graph.appearance import Appearance, Texture
-from osgode.graph.frame import Bin, Frame, Rectangle, Sky, Sun, Text, View
+from osgode.graph.frame import Bin, Frame, Light, Rectangle, Sky, Sprites, Sun, Text, View
 from osgode.graph.mesh import Mesh
 from osgode.graph.primitives import box_mesh, sphere_mesh
 from osgode.maths import Pose, Quat, Vec3, look_at
@@ -77,4 +78,26 @@ def yard():
         overlay=[Rectangle(4, 4, 62, 20), Text(8, 6, "12 m/s", 14, (1, 0.9, 0.4, 1))],
         sun=Sun(direction=Vec3(0.6, -0.8, 0.3)),
         sky=Sky(haze=60.0),
+    )
+
+
+def night():
+    """The same by the light of a lamp and a headlight, with smoke and sparks."""
+    dice = np.random.default_rng(3)
+    puffs, sparks = np.zeros((30, 12), np.float32), np.zeros((120, 12), np.float32)
+    puffs[:, :3] = np.array([0.2, 1.7, -0.4]) + dice.normal(0, 0.25, (30, 3))
+    puffs[:, 3:8] = (0.35, 1.0, 1.0, 1.0, 0.4)
+    ways = dice.normal(0, 1, (120, 3))
+    sparks[:, :3] = (1.6, 0.8, -1) + 0.5 * ways
+    sparks[:, 3:8] = (0.04, 1.0, 0.8, 0.3, 1.0)
+    sparks[:, 8:11] = 0.2 * ways
+    return replace(
+        yard(),
+        sun=Sun(Vec3(0.6, -0.8, 0.3), (0.08, 0.1, 0.16), (0.1, 0.11, 0.16)),
+        sky=Sky((0.02, 0.03, 0.08), (0.1, 0.12, 0.2), 60.0),
+        lights=[
+            Light(Vec3(0.3, 1.6, 0.9), (1.4, 0.8, 0.35), 5.0),
+            Light(Vec3(4, 2, 3), (0.5, 0.9, 1.4), 12.0, Vec3(-4, -2, -4).normalized(), 0.45, 0.35),
+        ],
+        particles=[Sprites(puffs), Sprites(sparks, additive=True)],
     )

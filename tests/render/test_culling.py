@@ -44,8 +44,9 @@ def test_mirrored():
     """An odd number of negative scales makes a mirror image, turning doesn't."""
     turned = Quat.from_axis_angle((1, 2, 3), 2.0)
     scales = [(1, 1, 1), (-1, 1, 1), (-1, -2, 1), (-1, -1, -1)]
-    matrices = np.array([place(rotation=turned, scale=scale) for scale in scales], np.float32)
-    assert mirrored(matrices).tolist() == [False, True, False, True]
+    bins = [many(BOX, DEFAULT_APPEARANCE, place(rotation=turned, scale=scale)) for scale in scales]
+    assert [mirrored(one) for one in bins] == [False, True, False, True]
+    assert mirrored(many(BOX, DEFAULT_APPEARANCE, place(), place(scale=(1, -1, 1)), place()))
 
 
 @pytest.mark.parametrize(

@@ -139,7 +139,7 @@ window.pump()
 for kind in (pygame.KEYDOWN, pygame.QUIT):
     pygame.event.post(pygame.event.Event(kind))
 assert not window.closed
-kinds = [event.type for event in window.pump()]
+kinds = [event.type for event in window.pump() if event.type in (pygame.KEYDOWN, pygame.QUIT)]
 assert kinds == [pygame.KEYDOWN, pygame.QUIT], kinds
 assert window.closed
 assert window.pump() == []
@@ -158,14 +158,13 @@ with Window((32, 20), quality=SMALL, vsync=False) as window:
 
 
 @pytest.mark.parametrize("driver", ["offscreen", "x11"])
-def test_window(driver):
+def test_window(driver, request):
     """A window draws, lets drawers work beside it, hands on events, and can be opened again.
 
     In a process of its own: SDL's window in memory, when closed, takes every other context of the process along.
     """
-    settings = os.environ | {"SDL_VIDEODRIVER": driver}
-    if driver == "x11" and not os.environ.get("DISPLAY"):
-        pytest.skip("there is no X server")
+    here = request.getfixturevalue("desktop").environment if driver == "x11" else os.environ
+    settings = here | {"SDL_VIDEODRIVER": driver}
     command = [sys.executable, "-W", "error", "-c", WINDOW]
     done = subprocess.run(command, env=settings, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

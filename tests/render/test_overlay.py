@@ -58,6 +58,17 @@ def test_text_is_where_it_was_put(drawer):
     assert (image.max(axis=2) == 255).any()
 
 
+@pytest.mark.parametrize("align", [(0, 0), (0.5, 0.5), (1, 1), (1, 0), (0.5, 0)])
+def test_text_is_aligned(drawer, align):
+    """The same letters, with that part of their width and height to the left of and above the point."""
+    mask = rasterise("Crisp", 18)
+    height, width = mask.shape
+    left, top = round(80 - align[0] * width), round(50 - align[1] * height)
+    seen = shot(drawer, Text(80, 50, "Crisp", 18, align=align))[..., 0]
+    assert np.abs(seen[top : top + height, left : left + width] - mask).max() <= 1
+    assert (seen > 0).sum() == (mask > 0).sum()
+
+
 def test_text_is_drawn_pixel_for_pixel(drawer):
     """The letters are those that the font drew, not a blurred copy."""
     mask = rasterise("Crisp", 18)

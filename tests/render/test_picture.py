@@ -15,20 +15,15 @@ from PIL import Image
 
 from osgode.render import save_png
 from osgode.render.resources import SOFTWARE
-from tests.render.scenes import yard
+from tests.render.scenes import night, yard
 
-GOLDEN = Path(__file__).parent / "golden" / "yard.png"
+GOLDEN = Path(__file__).parent / "golden"
+SCENES = {"yard": yard, "night": night}
 MEAN, FAR_OFF, SHARE = 0.6, 24, 0.01
 """The picture may differ by so many levels of 255 in the mean, and by more than FAR_OFF in this share of pixels.
 
 Another version of the rasteriser moves edges by a fraction of a pixel; nothing else may change.
 """
-
-
-@pytest.fixture(scope="module")
-def golden():
-    """The picture kept, or None while a new one is made."""
-    return None if os.environ.get("OSGODE_UPDATE_GOLDEN") else np.asarray(Image.open(GOLDEN))
 
 
 def picture(drawer, frame):
@@ -43,16 +38,17 @@ def differs(one, other):
     return f"mean {off.mean():.2f}, far off {share:.2%}" if off.mean() > MEAN or share > SHARE else ""
 
 
-def test_picture_is_the_one_kept(fine_drawer, golden, tmp_path):
-    """The yard looks as it did when somebody last looked at it."""
-    if not any(name in fine_drawer.renderer for name in SOFTWARE):
+@pytest.mark.parametrize("name", SCENES)
+def test_picture_is_the_one_kept(fine_drawer, name, tmp_path):
+    """The scene looks as it did when somebody last looked at it."""
+    if not any(software in fine_drawer.renderer for software in SOFTWARE):
         pytest.skip(f"the picture kept is of a software rasteriser, this is {fine_drawer.renderer}")
-    drawn = picture(fine_drawer, yard())
-    if golden is None:
-        save_png(drawn, GOLDEN)
-        pytest.skip(f"{GOLDEN} was written anew")
+    drawn, kept = picture(fine_drawer, SCENES[name]()), GOLDEN / f"{name}.png"
+    if os.environ.get("OSGODE_UPDATE_GOLDEN"):
+        save_png(drawn, kept)
+        pytest.skip(f"{kept} was written anew")
     save_png(drawn, tmp_path / "drawn.png")
-    assert not differs(drawn, golden), f"compare {tmp_path / 'drawn.png'} with {GOLDEN}"
+    assert not differs(drawn, np.asarray(Image.open(kept))), f"compare {tmp_path / 'drawn.png'} with {kept}"
 
 
 def without_shadows(frame):
@@ -118,3 +114,12 @@ def test_same_frame_gives_the_same_picture(fine_drawer):
     first = picture(fine_drawer, yard())
     picture(fine_drawer, without_shadows(without_overlay(yard())))
     assert (picture(fine_drawer, yard()) == first).all()
+
+
+@pytest.mark.parametrize("lost", ["lights", "particles"])
+def test_comparison_notices_a_loss_at_night(fine_drawer, lost):
+    """Each of the lamps, the smoke and the sparks counts."""
+    whole = night()
+    for k in range(2):
+        rest = [each for number, each in enumerate(getattr(whole, lost)) if number != k]
+        assert differs(picture(fine_drawer, replace(whole, **{lost: rest})), picture(fine_drawer, whole))

@@ -35,11 +35,11 @@ def test_a_weapon_lies_about_until_somebody_comes_near():
     assert not gun.stowed
     lying = gun.main_body.position
     assert lying.y < 0.3
-    scene.bearer.hand.position = (*lying, TOUCH + 0.3, 0.0, 0.0)
+    scene.bearer.hand.position = lying + oo.Vec3(TOUCH + 0.3, 0.0, 0.0)
     scene.world.step(2 * LOOK_EVERY)
     assert gun.hand is None
     # Half of the hand's width from its middle, so it is within reach by 4 cm.
-    scene.bearer.hand.position = (*lying, TOUCH + 0.01, 0.0, 0.0)
+    scene.bearer.hand.position = lying + oo.Vec3(TOUCH + 0.01, 0.0, 0.0)
     scene.world.step(LOOK_EVERY)
     assert gun.held
     assert gun.hand is scene.bearer.hand
