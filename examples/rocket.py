@@ -18,7 +18,11 @@ CRATE = 0.6
 """Edge of a crate, metres."""
 HEAP, TOWER = oo.Vec3(-4.5, 0.0, -15.0), oo.Vec3(5.0, 0.0, -17.0)
 """Where they stand, metres."""
-SHOTS = ((0.8, (*HEAP, 0.3, 0.6, 0.0)), (3.2, (*TOWER, 0.0, 1.6, 0.0)), (5.4, oo.Vec3(-8.0, 40.0, -60.0)))
+SHOTS = (
+    (0.8, HEAP + oo.Vec3(0.3, 0.6, 0.0)),
+    (3.2, TOWER + oo.Vec3(0.0, 1.6, 0.0)),
+    (5.4, oo.Vec3(-8.0, 40.0, -60.0)),
+)
 """When (seconds), and at what."""
 
 
@@ -37,14 +41,15 @@ class Rockets(Example):
         )
         self.heap = [
             self.crate(
-                (*HEAP, (i - (3 - j) / 2) * 0.64, CRATE * (j + 0.5), (k - (3 - j) / 2) * 0.64), f"heap {i} {j} {k}"
+                HEAP + oo.Vec3((i - (3 - j) / 2) * 0.64, CRATE * (j + 0.5), (k - (3 - j) / 2) * 0.64),
+                f"heap {i} {j} {k}",
             )
             for j in range(4)
             for i in range(4 - j)
             for k in range(4 - j)
         ]
         self.tower = [
-            self.crate((*TOWER, 0.31 * side, CRATE * (j + 0.5), 0.31 * depth), f"tower {side} {j} {depth}")
+            self.crate(TOWER + oo.Vec3(0.31 * side, CRATE * (j + 0.5), 0.31 * depth), f"tower {side} {j} {depth}")
             for j in range(6)
             for side in (-1, 1)
             for depth in (-1, 1)

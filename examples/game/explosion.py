@@ -11,6 +11,7 @@ import math
 
 import osgode as oo
 from osgode.engine import CompositeObject
+from osgode.examples.game.effects import burst
 from osgode.examples.game.shapes import lathed
 
 DURATION = 0.7
@@ -33,6 +34,43 @@ COLOURS = (
 """Parts of its time, and red, green, blue and opacity then."""
 BALL = lathed([(math.sin(a * math.pi / 32), math.cos(a * math.pi / 32)) for a in range(33)], oo.Appearance(), 64).mesh
 """Of radius 1, and rounder than spheres are drawn, since it fills the picture."""
+FIREBALL = oo.Spray(
+    velocity=oo.Vec3(0.0, 7.0, 0.0),
+    spread=math.pi,
+    radius=0.5,
+    lifetime=0.8,
+    jitter=0.5,
+    drag=2.0,
+    gravity=oo.Vec3(0.0, 3.0, 0.0),
+    size=(0.5, 1.3),
+    colours=((1.0, 0.7, 0.3, 0.0), (1.0, 0.55, 0.15, 0.5), (0.6, 0.15, 0.03, 0.3), (0.2, 0.04, 0.01, 0.0)),
+    additive=True,
+)
+SPARKS = oo.Spray(
+    velocity=oo.Vec3(0.0, 15.0, 0.0),
+    spread=math.pi,
+    lifetime=1.1,
+    jitter=0.6,
+    gravity=oo.Vec3(0.0, -9.81, 0.0),
+    drag=0.8,
+    size=(0.05, 0.02),
+    colours=oo.SPARKS.colours,
+    additive=True,
+    streak=0.045,
+)
+SMOKE = oo.Spray(
+    velocity=oo.Vec3(0.0, 3.5, 0.0),
+    spread=math.pi,
+    radius=0.8,
+    lifetime=3.0,
+    jitter=0.4,
+    gravity=oo.Vec3(0.0, 0.8, 0.0),
+    drag=1.5,
+    size=(0.5, 1.9),
+    colours=((0.1, 0.09, 0.08, 0.0), (0.15, 0.14, 0.13, 0.6), (0.32, 0.31, 0.3, 0.3), (0.5, 0.5, 0.5, 0.0)),
+)
+BURSTS = ((SMOKE, 60), (FIREBALL, 90), (SPARKS, 160))
+"""What comes out, and how many, at the usual radius."""
 SHELLS = ((1.0, 1.0), (0.72, 0.8), (0.45, 0.6))
 """Balls within one another: parts of its radius, and how far each is on in its colours."""
 
@@ -83,6 +121,10 @@ class Explosion(CompositeObject):
     def entered(self) -> None:
         """Begin."""
         self.schedule(_grow)
+        if self.space is not None:
+            share = (self.full_radius / RADIUS) ** 2
+            for number, (spray, count) in enumerate(BURSTS):
+                burst(self.space, self.main_body.position, spray, round(count * share), seed=number)
 
     def grow(self) -> bool:
         """A step of it: push, grow, change colour; and be gone when its time is over.

@@ -153,7 +153,7 @@ def test_a_second_weapon_of_a_slot_is_left_and_a_dropped_one_can_be_taken_again(
     assert not gun.joints
     scene.world.run(seconds=AGAIN - 0.2)
     assert gun.main_body.position.y < 0.3
-    scene.bearer.hand.position = (*gun.main_body.position, 0.0, 0.3, 0.0)
+    scene.bearer.hand.position = gun.main_body.position + oo.Vec3(0.0, 0.3, 0.0)
     scene.world.run(seconds=0.1)
     assert gun.hand is None
     scene.world.run(seconds=0.2)
