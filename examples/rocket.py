@@ -30,7 +30,7 @@ class Rockets(Example):
     """A launcher, a heap, a tower."""
 
     SECONDS = 17.5
-    MOMENTS = (1.5, 2.25, 4.45)
+    MOMENTS = (2.1, 1.5, 4.5)
     WORLD: ClassVar = {"iterations": 30, "contact_surface_layer": 0.001}
 
     def build(self) -> None:
