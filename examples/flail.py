@@ -17,7 +17,7 @@ from osgode.examples.runner import Example, Orbit, expect, look, run
 
 CRATE = 0.4
 """Edge of a crate, metres."""
-AROUND = 1.1
+AROUND = 1.0
 """How far from the post the towers stand, metres."""
 TOWERS = (-2.2, 2.2, math.pi)
 """In which directions, radians to the left of straight ahead."""
@@ -29,7 +29,7 @@ class Swinging(Example):
     """A mount with a flail among three towers."""
 
     SECONDS = 9.0
-    MOMENTS = (6.3, 1.35, 5.1)
+    MOMENTS = (4.8, 6.8, 1.35)
     WORLD: ClassVar = {"iterations": ITERATIONS, "contact_surface_layer": 0.001}
 
     def build(self) -> None:
@@ -45,7 +45,7 @@ class Swinging(Example):
 
     def crate(self, angle: float, row: int) -> oo.Body:
         """One of a tower."""
-        shape = oo.Box((CRATE,) * 3, material="wood", mass=5.0, appearance=look("crate"))
+        shape = oo.Box((CRATE,) * 3, material="wood", mass=4.0, appearance=look("crate"))
         place = (-AROUND * math.sin(angle), CRATE * (row + 0.5), -AROUND * math.cos(angle))
         return self.body(shape, place, oo.Quat.from_axis_angle((0, 1, 0), angle + 0.1 * row), name=f"crate {row}")
 
@@ -57,7 +57,7 @@ class Swinging(Example):
             self.mount.controls.pitch = 0.25 * math.sin(1.7 * time)
             self.stretched = max(self.stretched, self.flail.stretch)
         elif time < 8.0:
-            self.mount.controls.yaw += 6.5 * self.world.step_size
+            self.mount.controls.yaw += 7.2 * self.world.step_size
             self.mount.controls.pitch = 0.1
         self.shaken = max(self.shaken, self.flail.stretch)
         self.fastest = max(self.fastest, self.flail.ball.linear_velocity.length)

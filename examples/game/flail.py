@@ -3,7 +3,7 @@
 A chain that swings a ball is hard for a solver that iterates, and for one whose bodies go straight on within a step: it
 stretches. What keeps it together here, each measured:
 
-- The ball weighs little more than the chain, and turns about its own middle, where the last joint is.
+- The ball weighs less than the chain, and turns about its own middle, where the last joint is.
 - Links have more inertia than their shapes say, so that none whirls: what turns at w for a step of dt leaves its joint
   by half its length times (w dt)^2 / 2.
 - The joints bend with friction, and what is faster than any arm swings it is braked.
@@ -21,13 +21,13 @@ from osgode.examples.game.shapes import ball, lathed, placed, rod
 from osgode.examples.game.weapon import Aim, Weapon
 from osgode.examples.runner import look, painted
 
-ITERATIONS = 50
+ITERATIONS = 30
 """Of the World's solver, for a chain that stretches by less than 5 mm."""
 LINKS = 6
 """Of the chain."""
-LINK_LENGTH, LINK_RADIUS, LINK_MASS = 0.1, 0.016, 0.4
+LINK_LENGTH, LINK_RADIUS, LINK_MASS = 0.1, 0.016, 0.5
 """From joint to joint and thick, metres; kg."""
-BALL_RADIUS, BALL_MASS = 0.1, 2.0
+BALL_RADIUS, BALL_MASS = 0.1, 1.6
 """Metres; kg."""
 HANDLE_LENGTH, HANDLE_RADIUS, HANDLE_MASS = 0.56, 0.02, 2.0
 """Metres; kg."""
