@@ -222,6 +222,8 @@ def test_the_oldest_goes_when_there_are_too_many():
         scene.world.step(20)
     assert gun.shots.alive == tuple(born[3:])
     assert [shot.is_live for shot in born] == [False] * 3 + [True] * 5
+    scene.moving.detach(born[3])  # by somebody else
+    assert gun.shots.alive == tuple(born[4:])
     gun.shots.take_away(born[0])  # which is gone
     gun.shots.clear()
     assert not any(shot.is_live for shot in born)
