@@ -29,6 +29,9 @@ EXAMPLES = (
     "player",
     "pendulums",
     "shuttle",
+    "guns",
+    "rocket",
+    "flail",
 )
 
 

@@ -24,9 +24,7 @@ class Arsenal:
 
     @property
     def weapons(self) -> dict[int, Weapon]:
-        """The weapons by their slots, in the order of these; what was dropped, or lost with the hand, is not among
-        them.
-        """
+        """The weapons by their slots, in the order of these, but for what was dropped, or lost with the hand."""
         return {slot: self._weapons[slot] for slot in sorted(self._weapons) if self._weapons[slot].hand is self.hand}
 
     @property

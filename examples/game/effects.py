@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import osgode as oo
 
 LINGER = 6.0
@@ -51,11 +49,6 @@ def leave_behind(emitter: oo.Particles, space: oo.Space) -> None:
         emitter.parent.detach(emitter)
     space.attach(emitter)
     space.schedule(lambda _: _detach(emitter), seconds=LINGER)
-
-
-def thinner(spray: oo.Spray, by: float) -> oo.Spray:
-    """The same with so many times the size, for what is smaller than what the spray was made for."""
-    return replace(spray, size=(spray.size[0] * by, spray.size[1] * by), radius=spray.radius * by)
 
 
 def _run(space: oo.Space, emitter: oo.Particles) -> None:

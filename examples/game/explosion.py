@@ -1,15 +1,18 @@
 """An explosion: a ball of fire that grows, changes its colour, pushes away what it reaches, and is gone.
 
-It is a body without gravity and without geoms. In each step it asks its space what is in it, as `Space.overlaps` answers,
-and pushes each body once; so nothing that looks around with rays ever takes it for something solid.
+It is a body without gravity and without geoms. In each step it asks its space what is in it, by `Space.overlaps`, and
+pushes each body once; so nothing that looks around with rays ever takes it for something solid.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import osgode as oo
 from osgode.engine import CompositeObject
+from osgode.examples.game.effects import burst
+from osgode.examples.game.shapes import lathed
 
 DURATION = 0.7
 """Seconds from the flash to the last smoke."""
@@ -29,6 +32,45 @@ COLOURS = (
     (1.0, (0.15, 0.13, 0.12, 0.0)),
 )
 """Parts of its time, and red, green, blue and opacity then."""
+BALL = lathed([(math.sin(a * math.pi / 32), math.cos(a * math.pi / 32)) for a in range(33)], oo.Appearance(), 64).mesh
+"""Of radius 1, and rounder than spheres are drawn, since it fills the picture."""
+FIREBALL = oo.Spray(
+    velocity=oo.Vec3(0.0, 7.0, 0.0),
+    spread=math.pi,
+    radius=0.5,
+    lifetime=0.8,
+    jitter=0.5,
+    drag=2.0,
+    gravity=oo.Vec3(0.0, 3.0, 0.0),
+    size=(0.5, 1.3),
+    colours=((1.0, 0.7, 0.3, 0.0), (1.0, 0.55, 0.15, 0.5), (0.6, 0.15, 0.03, 0.3), (0.2, 0.04, 0.01, 0.0)),
+    additive=True,
+)
+SPARKS = oo.Spray(
+    velocity=oo.Vec3(0.0, 15.0, 0.0),
+    spread=math.pi,
+    lifetime=1.1,
+    jitter=0.6,
+    gravity=oo.Vec3(0.0, -9.81, 0.0),
+    drag=0.8,
+    size=(0.05, 0.02),
+    colours=oo.SPARKS.colours,
+    additive=True,
+    streak=0.045,
+)
+SMOKE = oo.Spray(
+    velocity=oo.Vec3(0.0, 3.5, 0.0),
+    spread=math.pi,
+    radius=0.8,
+    lifetime=3.0,
+    jitter=0.4,
+    gravity=oo.Vec3(0.0, 0.8, 0.0),
+    drag=1.5,
+    size=(0.5, 1.9),
+    colours=((0.1, 0.09, 0.08, 0.0), (0.15, 0.14, 0.13, 0.6), (0.32, 0.31, 0.3, 0.3), (0.5, 0.5, 0.5, 0.0)),
+)
+BURSTS = ((SMOKE, 60), (FIREBALL, 90), (SPARKS, 160))
+"""What comes out, and how many, at the usual radius."""
 SHELLS = ((1.0, 1.0), (0.72, 0.8), (0.45, 0.6))
 """Balls within one another: parts of its radius, and how far each is on in its colours."""
 
@@ -79,6 +121,10 @@ class Explosion(CompositeObject):
     def entered(self) -> None:
         """Begin."""
         self.schedule(_grow)
+        if self.space is not None:
+            share = (self.full_radius / RADIUS) ** 2
+            for number, (spray, count) in enumerate(BURSTS):
+                burst(self.space, self.main_body.position, spray, round(count * share), seed=number)
 
     def grow(self) -> bool:
         """A step of it: push, grow, change colour; and be gone when its time is over.
@@ -107,7 +153,8 @@ class Explosion(CompositeObject):
 
     def _push(self) -> None:
         space = self.space
-        assert space is not None
+        if space is None:
+            return
         middle = self.main_body.position
         # A body of several parts is named once for each of them: it is pushed once, for all of its size.
         found = dict.fromkeys(
@@ -118,7 +165,7 @@ class Explosion(CompositeObject):
             outward = way.normalized() if way.length > 1e-6 else oo.Vec3(0.0, 1.0, 0.0)
             impulse = self.impulse_at(way.length, area_of(body))
             if impulse > 0.0 and not body.kinematic:
-                body.apply_impulse((outward + (0.0, LIFT, 0.0)).normalized() * impulse)
+                body.apply_impulse((outward + oo.Vec3(0.0, LIFT, 0.0)).normalized() * impulse)
                 self.pushed[body] = self.pushed.get(body, 0.0) + impulse
 
     def _show(self) -> None:
@@ -127,7 +174,7 @@ class Explosion(CompositeObject):
         self._leaves = []
         for place, (part, ahead) in zip(self._shells, SHELLS, strict=True):
             look = oo.Appearance(colour_at(self.age * ahead), unlit=True)
-            self._leaves.append(place.attach(oo.Leaf([oo.sphere_drawable(1.0, look)])))
+            self._leaves.append(place.attach(oo.Leaf([oo.Drawable(BALL, look)])))
             place.scale = self.radius * part
 
 
@@ -137,7 +184,7 @@ def _grow(explosion: Explosion) -> bool:
 
 def colour_at(age: float) -> tuple[float, float, float, float]:
     """Red, green, blue and opacity after a part of its time, between the rows of `COLOURS`."""
-    for (start, before), (end, after) in zip(COLOURS, COLOURS[1:], strict=False):
+    for (start, before), (end, after) in itertools.pairwise(COLOURS):
         if age <= end:
             part = (age - start) / (end - start)
             red, green, blue, opacity = (a + (b - a) * part for a, b in zip(before, after, strict=True))

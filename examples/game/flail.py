@@ -1,11 +1,11 @@
 """The flail: a handle, a chain of capsules joined by universal joints, and a ball full of spikes.
 
-A chain that swings a ball is hard for a solver that iterates, and for one that goes on in a straight line within a step:
-it stretches. What keeps it together here, each measured:
+A chain that swings a ball is hard for a solver that iterates, and for one whose bodies go straight on within a step: it
+stretches. What keeps it together here, each measured:
 
-- The ball weighs little more than the chain, and turns about its own middle, where the last joint is.
-- Links have more inertia than their shapes say, so that none whirls: what turns by w in a step of dt leaves its joint by
-  half its length times (w dt)^2 / 2.
+- The ball weighs less than the chain, and turns about its own middle, where the last joint is.
+- Links have more inertia than their shapes say, so that none whirls: what turns at w for a step of dt leaves its joint
+  by half its length times (w dt)^2 / 2.
 - The joints bend with friction, and what is faster than any arm swings it is braked.
 - The links don't touch one another.
 
@@ -21,21 +21,21 @@ from osgode.examples.game.shapes import ball, lathed, placed, rod
 from osgode.examples.game.weapon import Aim, Weapon
 from osgode.examples.runner import look, painted
 
-ITERATIONS = 50
+ITERATIONS = 30
 """Of the World's solver, for a chain that stretches by less than 5 mm."""
 LINKS = 6
 """Of the chain."""
-LINK_LENGTH, LINK_RADIUS, LINK_MASS = 0.1, 0.016, 0.4
+LINK_LENGTH, LINK_RADIUS, LINK_MASS = 0.1, 0.016, 0.5
 """From joint to joint and thick, metres; kg."""
-BALL_RADIUS, BALL_MASS = 0.1, 2.0
+BALL_RADIUS, BALL_MASS = 0.1, 1.6
 """Metres; kg."""
 HANDLE_LENGTH, HANDLE_RADIUS, HANDLE_MASS = 0.56, 0.02, 2.0
 """Metres; kg."""
-GYRATION = 0.2
+GYRATION = 0.25
 """The moment of inertia of a link about every axis is that of its mass at this distance, metres."""
 JOINT_FRICTION, JOINT_GRIP = 1.4, 100.0
 """Of the bending of each joint: N m s/rad, and at most so many N m."""
-TURN_DAMPING = 0.12
+TURN_DAMPING = 0.15
 """The part of its turning that a link or the ball loses in each step."""
 FASTEST, BRAKE = 8.0, 0.05
 """What is faster, m/s, loses this part of its speed in each step."""
@@ -67,10 +67,15 @@ class Flail(Weapon):
         handle = self.attach(oo.Body(name=f"{name} handle", position=start, rotation=turn))
         handle.attach(oo.Placeable()).attach(
             oo.Capsule(
-                HANDLE_RADIUS, HANDLE_LENGTH - 2 * HANDLE_RADIUS, material="wood", kind="weapon", collides_with=OTHERS, mass=HANDLE_MASS,
+                HANDLE_RADIUS,
+                HANDLE_LENGTH - 2 * HANDLE_RADIUS,
+                material="wood",
+                kind="weapon",
+                collides_with=OTHERS,
+                mass=HANDLE_MASS,
                 shown=_handle(),
             )
-        )  # fmt: skip
+        )
         self.links: list[oo.Body] = []
         self.knots: list[oo.Universal] = []
         """The joints from the handle to the ball."""
@@ -87,7 +92,7 @@ class Flail(Weapon):
                     shown=_link(steel, k),
                 )
             )
-            link.fixed_mass = oo.Mass(LINK_MASS, (0.0, 0.0, 0.0), _round(LINK_MASS * GYRATION**2))
+            link.fixed_mass = oo.Mass(LINK_MASS, oo.Vec3(0.0, 0.0, 0.0), _round(LINK_MASS * GYRATION**2))
             self._join(self.attach(link), before, knot, turn, k)
             self.links.append(link)
             before, knot = link, knot + ahead * LINK_LENGTH
@@ -127,8 +132,8 @@ class Flail(Weapon):
         self.recoil(-line)
 
 
-def _round(moment: float) -> tuple[tuple[float, float, float], ...]:
-    return ((moment, 0.0, 0.0), (0.0, moment, 0.0), (0.0, 0.0, moment))
+def _round(moment: float) -> tuple[oo.Vec3, oo.Vec3, oo.Vec3]:
+    return (oo.Vec3(moment, 0.0, 0.0), oo.Vec3(0.0, moment, 0.0), oo.Vec3(0.0, 0.0, moment))
 
 
 def _handle() -> list[oo.Drawable]:

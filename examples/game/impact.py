@@ -1,6 +1,6 @@
 """The impact event: how hard things hit each other, for sounds, damage and dust.
 
-It is taken from the collision listener, before the contact pushes: only there are the speeds known at which things meet.
+It is taken from the collision listener, before the contact pushes: only there are the speeds at which things meet.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The rocket launcher, and its rockets: slow at first, faster in each step, until they hit or their fuel is gone.
 
 A rocket is a capsule that is swept along its way. While it burns it has no gravity and is pushed along its nose in each
-step; its fins keep the nose where it flies to. What it touches it tells its listener; in the next step it is gone, and an
+step; its fins keep the nose where it flies to. Its listener hears when it hits; in the next step it is gone, and an
 explosion is in its place.
 """
 
@@ -12,6 +12,7 @@ from typing import ClassVar
 
 import osgode as oo
 from osgode.engine import CompositeObject
+from osgode.examples.game.effects import leave_behind, trail
 from osgode.examples.game.explosion import Explosion
 from osgode.examples.game.shapes import ball, block, lathed, placed, plate
 from osgode.examples.game.weapon import Aim, Weapon, is_part_of
@@ -45,6 +46,19 @@ MUZZLE = oo.Vec3(0.0, 0.06, -0.5)
 GREEN, DARK = painted(0.25, 0.32, 0.2, 0.25), painted(0.12, 0.13, 0.13, 0.4)
 WHITE, RED, STEEL = painted(0.9, 0.9, 0.87, 0.5), painted(0.82, 0.1, 0.07, 0.5), painted(0.5, 0.52, 0.55, 0.8)
 YELLOW = painted(0.95, 0.75, 0.1, 0.4)
+TRAIL = oo.Spray(
+    velocity=oo.Vec3(0.0, 0.0, 1.2),
+    spread=0.4,
+    radius=0.03,
+    lifetime=1.6,
+    jitter=0.3,
+    gravity=oo.Vec3(0.0, 0.25, 0.0),
+    drag=1.2,
+    size=(0.06, 0.34),
+    colours=((1.0, 0.75, 0.35, 0.75), (0.75, 0.73, 0.7, 0.5), (0.8, 0.8, 0.8, 0.2), (0.85, 0.85, 0.85, 0.0)),
+)
+SMOKE_RATE = 140.0
+"""Puffs of its trail a second."""
 FLAME = oo.Appearance((1.0, 0.72, 0.2, 0.85), unlit=True)
 CORE = oo.Appearance((1.0, 0.97, 0.8, 1.0), unlit=True)
 GLASS = oo.Appearance((0.3, 0.75, 0.95, 1.0), shininess=1.0)
@@ -93,6 +107,7 @@ class Rocket(CompositeObject):
         )  # fmt: skip
         self._flame = self.rocket.attach(oo.Switch())
         self._flame.attach(oo.Leaf(_flame()))
+        self._smoke: oo.Particles | None = None
 
     @property
     def burning(self) -> bool:
@@ -108,6 +123,7 @@ class Rocket(CompositeObject):
         self.schedule(_fly)
         self.schedule(_burn_out, seconds=FUEL)
         self.schedule(lambda rocket: rocket.leave(), seconds=EXPIRES)
+        self._smoke = trail(self.rocket, (0.0, 0.0, ROCKET_LENGTH / 2), TRAIL, SMOKE_RATE)
 
     def fly(self) -> None:
         """A step: push along the flight, and turn the nose to where it goes."""
@@ -130,12 +146,12 @@ class Rocket(CompositeObject):
         """There is no fuel left: it falls."""
         self.rocket.gravity = True
         self._flame.on = False
+        if self._smoke is not None:
+            self._smoke.rate = 0.0
 
     @property
     def _step_size(self) -> float:
-        world = self.world
-        assert world is not None
-        return world.step_size
+        return 0.0 if self.world is None else self.world.step_size
 
     def _spare(self, feedback: oo.CollisionFeedback) -> None:
         if self._age * self._step_size < SPARED_FOR and is_part_of(feedback.other, self._spares):
@@ -156,6 +172,8 @@ class Rocket(CompositeObject):
         if space is None:
             raise oo.StateError(f"{self.describe()}.explode(): it is in no World")
         self.explosion = Explosion(self.rocket.position, name=f"{self.name} explosion")
+        if self._smoke is not None:
+            leave_behind(self._smoke, space)
         self.leave()
         return space.attach(self.explosion)
 

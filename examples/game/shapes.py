@@ -1,11 +1,12 @@
 """Small parts that models are put together from by code: boxes, rods, balls, and what a lathe makes.
 
-Each is an `osgode.Drawable` in the axes of the thing that it is a part of; a geom shows several in place of its collision
-shape: ``Box(size, shown=[block(...), rod(...)])``.
+Each is an `osgode.Drawable` in the axes of the thing that it is a part of; a geom shows several in place of its
+collision shape: ``Box(size, shown=[block(...), rod(...)])``.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -61,7 +62,7 @@ def lathed(profile: Sequence[tuple[float, float]], look: oo.Appearance, facets: 
     angles = np.arange(facets + 1) * (math.tau / facets)
     round_it = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     vertices, normals, uvs, triangles = [], [], [], []
-    for k, ((r0, z0), (r1, z1)) in enumerate(zip(profile, profile[1:], strict=False)):
+    for k, ((r0, z0), (r1, z1)) in enumerate(itertools.pairwise(profile)):
         slope = np.array([z0 - z1, r1 - r0])
         slope /= max(float(np.hypot(*slope)), 1e-9)
         for row, (r, z) in enumerate(((r0, z0), (r1, z1))):
@@ -92,15 +93,14 @@ def plate(outline: Sequence[tuple[float, float]], thickness: float, look: oo.App
         corners = corners[::-1]
     count, half = len(corners), thickness / 2
     fan = np.array([(0, k, k + 1) for k in range(1, count - 1)])
-    vertices, normals, triangles = [], [], []
-    for side, faces in ((1.0, fan), (-1.0, fan[:, ::-1])):
-        triangles.append(faces + sum(map(len, vertices)))
-        vertices.append(np.column_stack([np.full(count, side * half), corners]))
-        normals.append(np.tile((side, 0.0, 0.0), (count, 1)))
+    front = np.column_stack([np.full(count, half), corners])
+    vertices, normals, triangles = [front, front * (-1, 1, 1)], [np.tile((1.0, 0.0, 0.0), (count, 1))], [fan]
+    normals.append(-normals[0])
+    triangles.append(fan[:, ::-1] + count)
     for k in range(count):
         a, b = corners[k], corners[(k + 1) % count]
         out = np.array([0.0, b[1] - a[1], a[0] - b[0]])
-        triangles.append(np.array([(0, 1, 2), (0, 2, 3)]) + sum(map(len, vertices)))
+        triangles.append(np.array([(0, 1, 2), (0, 2, 3)]) + 2 * count + 4 * k)
         vertices.append(np.array([(half, *b), (half, *a), (-half, *a), (-half, *b)]))
         normals.append(np.tile(out / np.linalg.norm(out), (4, 1)))
     mesh = oo.Mesh(np.concatenate(vertices), np.concatenate(triangles), np.concatenate(normals), name="plate")

@@ -30,7 +30,9 @@ class Shots:
 
     @property
     def alive(self) -> tuple[oo.Body, ...]:
-        """Those that are there, the oldest first."""
+        """Those that are there, the oldest first; what somebody else has taken away is not."""
+        for body in [body for body in self._alive if not body.is_live]:
+            del self._alive[body]
         return tuple(self._alive)
 
     def send(self, space: oo.Space, body: oo.Body, spares: Sequence[oo.PhysicsNode] = ()) -> oo.Body:
@@ -54,8 +56,8 @@ class Shots:
             body.schedule(lambda shot: shot.remove_on_collide(spare), seconds=SPARED_FOR)
         body.schedule(self.take_away, seconds=self.lifetime)
         self._alive[body] = None
-        while len(self._alive) > self.most:
-            self.take_away(next(iter(self._alive)))
+        for old in self.alive[: -self.most]:
+            self.take_away(old)
         return body
 
     def take_away(self, body: oo.Body) -> None:

@@ -127,7 +127,7 @@ class Weapon(CompositeObject):
         if hand.world is None or hand.world is not self.world:
             raise oo.StateError(f"{self.describe()}.hold(): {hand.describe()} is not in the same World")
         self._hand, self._at = hand, oo.Vec3(*grip)
-        self._grasp()
+        self._grasp(hand)
 
     def stow(self) -> None:
         """Put it away: out of the simulation, and out of sight; nothing happens if it is away.
@@ -154,7 +154,7 @@ class Weapon(CompositeObject):
             self._join_up(self._hand)
             self.enter()
             self._stowed = False
-            self._grasp()
+            self._grasp(self._hand)
 
     def drop(self) -> None:
         """Let it fall where the hand is; it can be picked up again after a while. Nothing happens if nobody has it."""
@@ -175,9 +175,8 @@ class Weapon(CompositeObject):
         for body in self.bodies:
             body.linear_velocity, body.angular_velocity = hand.velocity_at(body.position), hand.angular_velocity
 
-    def _grasp(self) -> None:
-        hand, body = self._hand, self.main_body
-        assert hand is not None
+    def _grasp(self, hand: oo.Body) -> None:
+        body = self.main_body
         self._join_up(hand)
         self._held = oo.Ball(
             body, hand, anchor=hand.local_to_world(self._at), erp=HOLD_ERP, cfm=HOLD_CFM, name=f"{self.name} in hand"
@@ -215,14 +214,13 @@ class Weapon(CompositeObject):
         if is_part_of(feedback.other, self.own):
             feedback.refuse()
 
-    def _follow(self, hand: oo.Body) -> None:
+    def _follow(self, hand: oo.Body, motor: oo.AngularMotor) -> None:
         """Tell the motor how far the weapon is turned against the hand: the vector of its rotation."""
-        assert self._motor is not None
         turn = hand.rotation.conjugate() * self.main_body.rotation * self.GRIP.rotation
         sine = oo.Vec3(turn.x, turn.y, turn.z)
         angle = math.remainder(2.0 * math.atan2(sine.length, turn.w), math.tau)
         vector = sine * (angle / sine.length) if sine.length > 1e-12 else ZERO
-        self._motor.user_angle1, self._motor.user_angle2, self._motor.user_angle3 = vector
+        motor.user_angle1, motor.user_angle2, motor.user_angle3 = vector
 
     # -- buttons
 
@@ -318,10 +316,10 @@ class Weapon(CompositeObject):
         """Called after each step in a World; a subclass that overrides it calls this one too."""
         if self._hand is None:
             self._look_for_a_taker()
-        elif not self.held:  # the hand has left the World
+        elif self._motor is None or not self.held:  # the hand has left the World
             self.drop()
         else:
-            self._follow(self._hand)
+            self._follow(self._hand, self._motor)
             if self._recoil:
                 self.main_body.add_force(self._recoil.pop(0), at=self.main_body.local_to_world(self.GRIP.position))
 

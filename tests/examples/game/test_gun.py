@@ -39,9 +39,11 @@ def test_balls_are_of_iron_and_cubes_of_wood():
     for button in MASSES:
         scene.shoot(gun, button, 0.3)
     (ball,), (cube,) = (shot.geoms for shot in gun.shots.alive)
-    assert isinstance(ball, oo.Sphere) and ball.material == "steel"
+    assert isinstance(ball, oo.Sphere)
+    assert ball.material == "steel"
     assert BALL_MASS / (4 / 3 * math.pi * BALL_RADIUS**3) == pytest.approx(7870, rel=0.02)  # iron, kg/m3
-    assert isinstance(cube, oo.Box) and cube.material == "wood"
+    assert isinstance(cube, oo.Box)
+    assert cube.material == "wood"
     assert pytest.approx(640, rel=0.05) == CUBE_MASS / CUBE_EDGE**3
 
 
@@ -220,6 +222,8 @@ def test_the_oldest_goes_when_there_are_too_many():
         scene.world.step(20)
     assert gun.shots.alive == tuple(born[3:])
     assert [shot.is_live for shot in born] == [False] * 3 + [True] * 5
+    scene.moving.detach(born[3])  # by somebody else
+    assert gun.shots.alive == tuple(born[4:])
     gun.shots.take_away(born[0])  # which is gone
     gun.shots.clear()
     assert not any(shot.is_live for shot in born)

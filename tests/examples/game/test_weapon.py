@@ -30,14 +30,16 @@ def test_a_weapon_lies_about_until_somebody_comes_near():
     scene = Range()
     gun = scene.moving.attach(ConstructorGun((3.0, 0.3, 0.0)))
     scene.world.run(seconds=1.0)
-    assert gun.hand is None and not gun.held and not gun.stowed
+    assert gun.hand is None
+    assert not gun.held
+    assert not gun.stowed
     lying = gun.main_body.position
     assert lying.y < 0.3
-    scene.bearer.hand.position = lying + (TOUCH + 0.3, 0.0, 0.0)
+    scene.bearer.hand.position = lying + oo.Vec3(TOUCH + 0.3, 0.0, 0.0)
     scene.world.step(2 * LOOK_EVERY)
     assert gun.hand is None
     # Half of the hand's width from its middle, so it is within reach by 4 cm.
-    scene.bearer.hand.position = lying + (TOUCH + 0.01, 0.0, 0.0)
+    scene.bearer.hand.position = lying + oo.Vec3(TOUCH + 0.01, 0.0, 0.0)
     scene.world.step(LOOK_EVERY)
     assert gun.held
     assert gun.hand is scene.bearer.hand
@@ -94,7 +96,8 @@ def test_the_three_are_switched_and_only_one_is_in_the_simulation():
                 assert not any(body.is_live for body in weapon.bodies)
                 assert not any(geom.is_live for geom in weapon.geoms)
                 assert not any(joint.is_live for joint in weapon.joints)
-                assert weapon.world is None and weapon.parent is None  # so it isn't in the picture either
+                assert weapon.world is None
+                assert weapon.parent is None
             else:
                 bodies, geoms, spaces, joints = natives
                 held = (bodies, geoms, spaces, joints + 2)  # and the ball joint and the motor
@@ -145,10 +148,12 @@ def test_a_second_weapon_of_a_slot_is_left_and_a_dropped_one_can_be_taken_again(
     assert other.hand is None
     assert scene.bearer.arsenal.drop() is gun
     assert scene.bearer.arsenal.weapons == {}
-    assert gun.hand is None and gun.in_simulation and not gun.joints
+    assert gun.hand is None
+    assert gun.in_simulation
+    assert not gun.joints
     scene.world.run(seconds=AGAIN - 0.2)
     assert gun.main_body.position.y < 0.3
-    scene.bearer.hand.position = gun.main_body.position + (0.0, 0.3, 0.0)
+    scene.bearer.hand.position = gun.main_body.position + oo.Vec3(0.0, 0.3, 0.0)
     scene.world.run(seconds=0.1)
     assert gun.hand is None
     scene.world.run(seconds=0.2)
@@ -161,7 +166,8 @@ def test_a_stowed_weapon_that_is_dropped_falls_from_the_hand():
     gun = scene.give(ConstructorGun((0.0, 0.5, 2.0)))
     gun.stow()
     gun.drop()
-    assert gun.in_simulation and gun.hand is None
+    assert gun.in_simulation
+    assert gun.hand is None
     assert (
         gun.main_body.local_to_world(gun.GRIP.position).distance(scene.bearer.hand.local_to_world((0, 0, -0.2))) < 1e-9
     )
@@ -173,7 +179,8 @@ def test_a_weapon_whose_hand_is_gone_falls():
     gun = scene.give(ConstructorGun((0.0, 0.5, 2.0)))
     scene.moving.detach(scene.bearer)
     scene.world.run(seconds=1.0)
-    assert gun.hand is None and not gun.held
+    assert gun.hand is None
+    assert not gun.held
     assert gun.main_body.position.y < 0.3
     assert scene.bearer.arsenal.in_hand is None
 
@@ -271,7 +278,8 @@ def test_a_weapon_found_while_another_is_charged_is_put_away_at_once():
     scene.give(weapon)
     weapon.press("left")
     gun = scene.give(ConstructorGun((0.0, 0.5, 2.0)))
-    assert weapon.held and weapon.charging
+    assert weapon.held
+    assert weapon.charging
     assert gun.stowed
 
 
