@@ -269,7 +269,7 @@ NO_NUMBERS = (str, bytes, bool, np.bool_, np.complexfloating)
 
 def _float(value: Any) -> float:
     if value.__class__ is float:
-        return value  # type: ignore[no-any-return]
+        return value
     if isinstance(value, NO_NUMBERS):
         raise TypeError
     return float(value)
@@ -277,14 +277,13 @@ def _float(value: Any) -> float:
 
 def number(low: float = -math.inf, high: float = math.inf, *, infinite: bool = False) -> Check[float]:
     """A float from ``low`` to ``high``; finite unless ``infinite``."""
-
     least, most = (low, high) if infinite else (max(low, -sys.float_info.max), min(high, sys.float_info.max))
 
     def convert(value: object) -> float:
         result = value if value.__class__ is float else _float(value)
-        if not least <= result <= most:  # type: ignore[operator]
+        if not least <= result <= most:
             raise ValueError
-        return result  # type: ignore[return-value]
+        return result
 
     kind = "a number" if infinite else "a finite number"
     if math.isfinite(low) and math.isfinite(high):

@@ -107,25 +107,17 @@ class Body(Listening, Tunnelling, Transform):
         The hit is at the centre of mass, or ``at`` a point of the world: ``dv = J / m``, ``dw = I^-1 (r x J)``.
         """
         j = self._argument("apply_impulse", "impulse", impulse, PUSH)
-        arm = (
-            ZERO
-            if at is None
-            else self._argument("apply_impulse", "at", at, POINT) - self.world_centre_of_mass
-        )
+        arm = ZERO if at is None else self._argument("apply_impulse", "at", at, POINT) - self.world_centre_of_mass
         self._kick("apply_impulse", j, arm.cross(j))
 
     def apply_angular_impulse(self, impulse: Vec3Like) -> None:
         """Change the angular velocity at once, as a twist of ``impulse`` (N m s, world axes) does."""
-        self._kick(
-            "apply_angular_impulse", ZERO, self._argument("apply_angular_impulse", "impulse", impulse, PUSH)
-        )
+        self._kick("apply_angular_impulse", ZERO, self._argument("apply_angular_impulse", "impulse", impulse, PUSH))
 
     def apply_local_impulse(self, impulse: Vec3Like, *, at: Vec3Like | None = None) -> None:
         """As `apply_impulse`, with ``impulse`` along body axes and ``at`` in the body's frame."""
         j = self._argument("apply_local_impulse", "impulse", impulse, PUSH)
-        point = (
-            None if at is None else self.local_to_world(self._argument("apply_local_impulse", "at", at, POINT))
-        )
+        point = None if at is None else self.local_to_world(self._argument("apply_local_impulse", "at", at, POINT))
         self.apply_impulse(self.vector_to_world(j), at=point)
 
     def apply_local_angular_impulse(self, impulse: Vec3Like) -> None:

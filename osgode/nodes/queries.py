@@ -307,8 +307,7 @@ class Queries(PhysicsNode):
                 [each._slot for each in physics_nodes(node) if each._realm is realm and hasattr(each, "_slot")]
             )
         table = ffi.new("unsigned int[]", sorted(slots))
-        query = {"kinds": bits, "space": self._native_space(), "excluded": table, "excluded_count": len(slots)}
-        return ffi.new("oo_query *", query), table
+        return ffi.new("oo_query *", (bits, self._native_space(), table, len(slots))), table
 
 
 def _placed(name: str, shape: Any, position: Vec3Like, rotation: QuatLike) -> tuple[Vec3, Quat]:
