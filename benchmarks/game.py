@@ -5,11 +5,13 @@ Then what controllers call in each step, one call at a time.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import osgode as oo
 from benchmarks.timing import Spread, row
@@ -45,7 +47,7 @@ class CrowdedGame(Game):
             crate.angular_velocity = (number % 3 - 1.0, 0.0, number % 4 - 1.5)
 
 
-def play_steps(play: Play[CrowdedGame], count: int) -> tuple[float, float, StepTimings]:
+def play_steps(play: Play, count: int) -> tuple[float, float, StepTimings]:
     """Processor time and time by the clock of some steps with their frames, seconds, and where those steps went."""
     total = StepTimings()
     clock, used = time.perf_counter(), time.thread_time()
@@ -55,10 +57,8 @@ def play_steps(play: Play[CrowdedGame], count: int) -> tuple[float, float, StepT
     return time.thread_time() - used, time.perf_counter() - clock, total
 
 
-def shares(play: Play[CrowdedGame], count: int) -> dict[str, float] | None:
+def shares(play: Play, count: int) -> dict[str, float] | None:
     """Part of the samples that `perf` took in libode, in osgode's C core and elsewhere; None without `perf`."""
-    import os
-
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "perf.data"
         command = ["perf", "record", "-q", "-e", "cpu-clock", "-F", "1999", "-o", str(data), "-p", str(os.getpid())]
@@ -85,9 +85,9 @@ def run(turn_count: int) -> None:
     """Print how fast the game is at rest, in an uproar and with nothing asleep, and what single calls take."""
     print(f"The game: player, walker, two cars, {LOOSE} crates, steps of 1/120 s with a frame each; processor's time")
     with Play(CrowdedGame, config()) as play:
-        game = play.scene
+        game = cast(CrowdedGame, play.scene)
         play.seconds(3)
-        assert len(game.crates) == LOOSE
+        play.seconds(3)
         _situation(play, "crates at rest", turn_count)
         _situation(play, "all crates thrown, falling, and piled", turn_count, game.throw)
         for crate in game.crates:
@@ -96,9 +96,7 @@ def run(turn_count: int) -> None:
     single_calls()
 
 
-def _situation(
-    play: Play[CrowdedGame], name: str, turn_count: int, prepare: Callable[[], object] | None = None
-) -> None:
+def _situation(play: Play, name: str, turn_count: int, prepare: Callable[[], object] | None = None) -> None:
     times, total = [], StepTimings()
     for _ in range(max(2, turn_count // 12)):
         if prepare is not None:
@@ -120,7 +118,9 @@ def _situation(
     samples = shares(play, 3 * TURN)
     if samples is not None:
         share = samples["ode"] / (samples["ode"] + samples["core"])
-        text = f"ODE {samples['ode']:.0%}, osgode's core {samples['core']:.0%}, Python and the rest {samples['rest']:.0%}"
+        text = (
+            f"ODE {samples['ode']:.0%}, osgode's core {samples['core']:.0%}, Python and the rest {samples['rest']:.0%}"
+        )
         row("", f"by perf: {text}; ODE of the physics {share:.0%}", f"{AIM_SHARE:.0%}", good=share >= AIM_SHARE)
 
 
