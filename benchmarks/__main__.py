@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 
-from benchmarks import debug, joints, listener, memory, picture, raw, rays, speed, startup
+from benchmarks import debug, game, joints, listener, memory, picture, raw, rays, speed, startup
 from benchmarks.scenes import SCENES
 
-KINDS = ("step", "listener", "rays", "joints", "frame", "memory", "import")
+KINDS = ("step", "listener", "rays", "joints", "game", "frame", "overlay", "memory", "import")
 
 
 def main() -> None:
@@ -22,21 +23,20 @@ def main() -> None:
         parser.error(f"there is no {', '.join(unknown)}")
     kinds = chosen.kinds or KINDS
     raw.build()
-    if "step" in kinds:
-        speed.run(chosen.turns, chosen.scene)
-    if "listener" in kinds:
-        listener.run(chosen.turns)
-    if "rays" in kinds:
-        rays.run(max(2, chosen.turns // 6))
-    if "joints" in kinds:
-        joints.run(chosen.turns)
-    if "frame" in kinds:
-        picture.run()
-        debug.run()
-    if "memory" in kinds:
-        memory.run()
-    if "import" in kinds:
-        startup.run_import()
+    calls: dict[str, Callable[[], object]] = {
+        "step": lambda: speed.run(chosen.turns, chosen.scene),
+        "listener": lambda: listener.run(chosen.turns),
+        "rays": lambda: rays.run(max(2, chosen.turns // 6)),
+        "joints": lambda: joints.run(chosen.turns),
+        "game": lambda: game.run(chosen.turns),
+        "frame": picture.run,
+        "overlay": debug.run,
+        "memory": memory.run,
+        "import": startup.run_import,
+    }
+    for kind in KINDS:
+        if kind in kinds:
+            calls[kind]()
     if chosen.install:
         startup.run_install()
 

@@ -8,6 +8,7 @@ round-trip tests and the reference.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from typing import Any, Generic, Protocol, Self, TypeVar, overload
 import numpy as np
 
 from osgode.errors import FieldError, StateError, shown
-from osgode.maths import Quat, QuatLike, Vec3, Vec3Like
+from osgode.maths import Quat, QuatLike, Vec3, Vec3Like, vec3
 
 ValueT = TypeVar("ValueT")
 InputT = TypeVar("InputT")
@@ -39,6 +40,9 @@ class Home(Protocol):
     def editing(self) -> AbstractContextManager[object]:
         """Hold the World for a change, or raise StateError."""
 
+    def holding(self) -> AbstractContextManager[object]:
+        """The same for a change that moves nothing."""
+
 
 class Owner(Protocol):
     """What has fields."""
@@ -48,6 +52,10 @@ class Owner(Protocol):
 
     def describe(self) -> str:
         """What messages call it."""
+
+
+UNFIT = (TypeError, ValueError, OverflowError, KeyError)
+"""What a conversion raises for a value that is not accepted."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +73,7 @@ class Check(Generic[ValueT]):
         """
         try:
             return self.convert(value)
-        except (TypeError, ValueError, OverflowError, KeyError) as error:
+        except UNFIT as error:
             raise FieldError(f"{owner}.{name} is {shown(value)}; it must be {self.expects}") from error
 
 
@@ -79,6 +87,7 @@ class Field(Generic[ValueT, InputT]):
         write: gives it to the native of a live node.
         fixed: whether it can't be changed while the node is in a World.
         after: name of a method to call when it has changed; if that raises, the old value comes back.
+        quiet: whether a change moves nothing: then the next step need not look at everything anew.
         unit: for the reference.
         doc: one sentence for the reference.
     """
@@ -92,6 +101,7 @@ class Field(Generic[ValueT, InputT]):
         *,
         after: str = "",
         fixed: bool = False,
+        quiet: bool = False,
         unit: str = "",
         doc: str = "",
     ) -> None:
@@ -101,6 +111,7 @@ class Field(Generic[ValueT, InputT]):
         self.write = write
         self.after = after
         self.fixed = fixed
+        self.quiet = quiet
         self.unit = unit
         self.__doc__ = doc + (f" [{unit}]" if unit else "")
 
@@ -122,7 +133,7 @@ class Field(Generic[ValueT, InputT]):
         return self.read(node)
 
     def __set__(self, node: Owner, value: InputT) -> None:
-        checked = self.check(node.describe(), self.name, value)
+        checked = self.checked(node, value)
         realm = node._realm
         if realm is None:
             self._change(node, checked)
@@ -132,8 +143,21 @@ class Field(Generic[ValueT, InputT]):
                     f"{node.describe()}.{self.name} can't be changed while it is in a World; "
                     "detach it first, or make a new one"
                 )
-            with realm.editing():
+            with realm.holding() if self.quiet else realm.editing():
                 self._change(node, checked)
+
+    def checked(self, node: Owner, value: object) -> ValueT:
+        """The value as ``node`` would keep it.
+
+        Raises:
+            FieldError: if it isn't accepted.
+        """
+        try:
+            return self.check.convert(value)
+        except UNFIT as error:  # only now: putting the words together takes longer than most conversions
+            raise FieldError(
+                f"{node.describe()}.{self.name} is {shown(value)}; it must be {self.check.expects}"
+            ) from error
 
     def _change(self, node: Owner, value: ValueT) -> None:
         if not self.after:
@@ -163,7 +187,7 @@ class Field(Generic[ValueT, InputT]):
         if self.write is not None:
             # Checked again: what a node took along from a World that went wrong may be NaN.
             value = node._record.get(self.name, self.default)
-            self.write(node, self.check(node.describe(), self.name, value))
+            self.write(node, self.checked(node, value))
 
     def leave(self, node: Owner) -> None:
         """Take the value from the native that is about to go."""
@@ -244,6 +268,8 @@ NO_NUMBERS = (str, bytes, bool, np.bool_, np.complexfloating)
 
 
 def _float(value: Any) -> float:
+    if value.__class__ is float:
+        return value
     if isinstance(value, NO_NUMBERS):
         raise TypeError
     return float(value)
@@ -251,10 +277,11 @@ def _float(value: Any) -> float:
 
 def number(low: float = -math.inf, high: float = math.inf, *, infinite: bool = False) -> Check[float]:
     """A float from ``low`` to ``high``; finite unless ``infinite``."""
+    least, most = (low, high) if infinite else (max(low, -sys.float_info.max), min(high, sys.float_info.max))
 
     def convert(value: object) -> float:
-        result = _float(value)
-        if not low <= result <= high or (math.isinf(result) and not infinite):
+        result = value if value.__class__ is float else _float(value)
+        if not least <= result <= most:
             raise ValueError
         return result
 
@@ -301,19 +328,19 @@ def three(value: Sequence[Any]) -> Vec3:
     Raises:
         ValueError: for another length or a number that is not finite.
     """
-    x, y, z = _unpackable(value)
-    result = Vec3(_float(x), _float(y), _float(z))
-    if not math.isfinite(result[0] + result[1] + result[2]):
+    x, y, z = value if value.__class__ is Vec3 or value.__class__ is tuple else _unpackable(value)
+    x, y, z = numbers = _float(x), _float(y), _float(z)
+    if not math.isfinite(x + y + z):
         raise ValueError
-    return result
+    return vec3(numbers)
 
 
 def vector(limit: float) -> Check[Vec3]:
     """Three floats, each within +-``limit``."""
 
     def convert(value: Any) -> Vec3:
-        result = three(value)
-        if max(map(abs, result)) > limit:
+        x, y, z = result = three(value)
+        if not (-limit <= x <= limit and -limit <= y <= limit and -limit <= z <= limit):
             raise ValueError
         return result
 

@@ -118,11 +118,12 @@ class _NameCheck(Check[Any]):
     """A check whose words list the names that exist when it fails."""
 
     def __init__(self, convert: Callable[[Any], Any], expects: Callable[[], str]) -> None:
-        super().__init__("", convert)
-        object.__setattr__(self, "_expects", expects)
+        vars(self).update(convert=convert, _expects=expects)
 
-    def __getattribute__(self, name: str) -> Any:
-        return object.__getattribute__(self, "_expects")() if name == "expects" else object.__getattribute__(self, name)
+    def __getattr__(self, name: str) -> Any:
+        if name == "expects":  # never set: told anew each time
+            return self._expects()
+        raise AttributeError(name)
 
 
 def _known_kinds(value: object) -> frozenset[str] | None:

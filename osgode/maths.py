@@ -7,7 +7,8 @@ Right-handed axes, Y up. Quaternions are (w, x, y, z), as in ODE. Matrices act o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -26,28 +27,28 @@ class Vec3(NamedTuple):
     z: float
 
     def __add__(self, other: Vec3Like) -> Vec3:  # type: ignore[override]
-        return Vec3(self[0] + other[0], self[1] + other[1], self[2] + other[2])
+        return vec3((self[0] + other[0], self[1] + other[1], self[2] + other[2]))
 
     def __radd__(self, other: Vec3Like) -> Vec3:
-        return Vec3(self[0] + other[0], self[1] + other[1], self[2] + other[2])
+        return vec3((self[0] + other[0], self[1] + other[1], self[2] + other[2]))
 
     def __sub__(self, other: Vec3Like) -> Vec3:
-        return Vec3(self[0] - other[0], self[1] - other[1], self[2] - other[2])
+        return vec3((self[0] - other[0], self[1] - other[1], self[2] - other[2]))
 
     def __rsub__(self, other: Vec3Like) -> Vec3:
-        return Vec3(other[0] - self[0], other[1] - self[1], other[2] - self[2])
+        return vec3((other[0] - self[0], other[1] - self[1], other[2] - self[2]))
 
     def __mul__(self, factor: float) -> Vec3:  # type: ignore[override]
-        return Vec3(self[0] * factor, self[1] * factor, self[2] * factor)
+        return vec3((self[0] * factor, self[1] * factor, self[2] * factor))
 
     def __rmul__(self, factor: float) -> Vec3:  # type: ignore[override]
-        return Vec3(self[0] * factor, self[1] * factor, self[2] * factor)
+        return vec3((self[0] * factor, self[1] * factor, self[2] * factor))
 
     def __truediv__(self, divisor: float) -> Vec3:
-        return Vec3(self[0] / divisor, self[1] / divisor, self[2] / divisor)
+        return vec3((self[0] / divisor, self[1] / divisor, self[2] / divisor))
 
     def __neg__(self) -> Vec3:
-        return Vec3(-self[0], -self[1], -self[2])
+        return vec3((-self[0], -self[1], -self[2]))
 
     def dot(self, other: Vec3Like) -> float:
         """The scalar product with ``other``."""
@@ -57,7 +58,7 @@ class Vec3(NamedTuple):
         """The vector product ``self x other``."""
         ax, ay, az = self
         bx, by, bz = other
-        return Vec3(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+        return vec3((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
 
     @property
     def length(self) -> float:
@@ -76,6 +77,9 @@ class Vec3(NamedTuple):
         """The Euclidean distance to ``other``."""
         return math.dist(self, other)
 
+
+vec3: Callable[[Iterable[float]], Vec3] = partial(tuple.__new__, Vec3)
+"""The same as ``Vec3(*numbers)``, but made by C alone: there must be three floats."""
 
 ZERO = Vec3(0.0, 0.0, 0.0)
 
@@ -147,16 +151,18 @@ class Quat(NamedTuple):
         """The rotation ``other`` first, then ``self``."""
         a, b, c, d = self
         e, f, g, h = other
-        return Quat(
-            a * e - b * f - c * g - d * h,
-            a * f + b * e + c * h - d * g,
-            a * g - b * h + c * e + d * f,
-            a * h + b * g - c * f + d * e,
+        return quat(
+            (
+                a * e - b * f - c * g - d * h,
+                a * f + b * e + c * h - d * g,
+                a * g - b * h + c * e + d * f,
+                a * h + b * g - c * f + d * e,
+            )
         )
 
     def conjugate(self) -> Quat:
         """The opposite rotation."""
-        return Quat(self[0], -self[1], -self[2], -self[3])
+        return quat((self[0], -self[1], -self[2], -self[3]))
 
     def normalized(self) -> Quat:
         """The same rotation with length 1."""
@@ -168,10 +174,12 @@ class Quat(NamedTuple):
         w, x, y, z = self
         vx, vy, vz = vector
         tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
-        return Vec3(
-            vx + w * tx + y * tz - z * ty,
-            vy + w * ty + z * tx - x * tz,
-            vz + w * tz + x * ty - y * tx,
+        return vec3(
+            (
+                vx + w * tx + y * tz - z * ty,
+                vy + w * ty + z * tx - x * tz,
+                vz + w * tz + x * ty - y * tx,
+            )
         )
 
     def to_matrix(self) -> tuple[Vec3, Vec3, Vec3]:
@@ -188,6 +196,9 @@ class Quat(NamedTuple):
         """The angle of the rotation in radians, 0 to pi."""
         return 2 * math.atan2(math.hypot(*self[1:]), abs(self[0]))
 
+
+quat: Callable[[Iterable[float]], Quat] = partial(tuple.__new__, Quat)
+"""As `vec3`, for four floats."""
 
 IDENTITY = Quat(1.0, 0.0, 0.0, 0.0)
 

@@ -12,6 +12,8 @@ Callback: TypeAlias = Callable[[Any], object]
 STALE = 64
 """How many cancelled calls the queue may keep, if they are not more than those that are waited for."""
 
+NO_CALLS: dict[ScheduledCall, Callback] = {}
+
 
 class ScheduledCall:
     """A call that a node will get; made by ``node.schedule()``.
@@ -19,14 +21,14 @@ class ScheduledCall:
     It keeps neither its node nor the World, nor what it calls: these belong to the World's agenda.
     """
 
-    __slots__ = ("_agenda", "_delay", "_due", "_node", "_number", "_priority")
+    __slots__ = ("_agenda", "_delay", "_due", "_node", "_priority")
 
     def __init__(self, agenda: Agenda, node: Any, delay: int, priority: int) -> None:
         self._agenda = weakref.ref(agenda)
         self._node = weakref.ref(node)
         self._delay = delay
         self._priority = priority
-        self._due = self._number = 0
+        self._due = 0
 
     @property
     def delay(self) -> int:
@@ -55,9 +57,6 @@ class ScheduledCall:
         if agenda is not None:
             agenda.cancel(self)
 
-    def __lt__(self, other: ScheduledCall) -> bool:
-        return (self._due, -self._priority, self._number) < (other._due, -other._priority, other._number)
-
     def __repr__(self) -> str:
         state = f"after step {self._due}" if self.pending else "done"
         node = self._node()
@@ -69,7 +68,8 @@ class Agenda:
     """The calls that one World's nodes wait for."""
 
     def __init__(self) -> None:
-        self._queue: list[ScheduledCall] = []
+        self._queue: list[tuple[int, int, int, ScheduledCall]] = []
+        """Each with what it is ordered by: its step, its priority the other way round, and a number of its own."""
         self._of: dict[Any, dict[ScheduledCall, Callback]] = {}
         self._count = 0
         self._number = 0
@@ -87,8 +87,8 @@ class Agenda:
 
     def _queue_up(self, call: ScheduledCall, now: int) -> None:
         self._number += 1
-        call._due, call._number = now + call._delay, self._number
-        heapq.heappush(self._queue, call)
+        call._due = due = now + call._delay
+        heapq.heappush(self._queue, (due, -call._priority, self._number, call))
 
     def knows(self, call: ScheduledCall) -> bool:
         """Whether it is still waited for."""
@@ -113,24 +113,24 @@ class Agenda:
         """Take out what was cancelled, once that is most of the queue: it grows else with every call that is."""
         queue = self._queue
         if len(queue) - self._count > max(STALE, self._count):
-            queue[:] = [call for call in queue if self.knows(call)]
+            queue[:] = [entry for entry in queue if self.knows(entry[3])]
             heapq.heapify(queue)
 
     def steps_until_due(self, now: int) -> int | None:
         """How many steps may pass before something is due; None if nothing is."""
         queue = self._queue
-        while queue and not self.knows(queue[0]):
+        while queue and not self.knows(queue[0][3]):
             heapq.heappop(queue)
-        return max(queue[0]._due - now, 1) if queue else None
+        return max(queue[0][0] - now, 1) if queue else None
 
     def make_due(self, now: int) -> list[Exception]:
         """Make the calls that are due after step ``now``; returns what they raised. All of them are made."""
         errors: list[Exception] = []
-        queue = self._queue
-        while queue and queue[0]._due <= now:
-            call = heapq.heappop(queue)
+        queue, calls_of = self._queue, self._of
+        while queue and queue[0][0] <= now:
+            call = heapq.heappop(queue)[3]
             node = call._node()
-            callback = self._of.get(node, {}).get(call)
+            callback = calls_of.get(node, NO_CALLS).get(call)
             if node is None or callback is None:  # cancelled
                 continue
             again = False
@@ -142,7 +142,7 @@ class Agenda:
             except BaseException:
                 self.cancel(call)
                 raise
-            if self.knows(call):  # it may have been cancelled by what it did
+            if call in calls_of.get(node, NO_CALLS):  # it may have been cancelled by what it did
                 if again:
                     self._queue_up(call, now)
                 else:

@@ -52,6 +52,10 @@ DEEPEST, FARTHEST = -20.0, 1500.0
 """What is lower, or farther from the middle, has fallen out of the world, metres."""
 ITERATIONS = 30
 """Of the quick solver: the hanging bridge and the flail want more than the 20 of a heap."""
+RESTING = (0.1, 0.2)
+"""What is slower, m/s and rad/s, lies still: in a stack everything trembles a little."""
+AVERAGED, RESTS = 10, 30
+"""Over how many steps these speeds are averaged, and for how many it must lie still: no ball rests where it turns."""
 
 
 def config(**video: object) -> AppConfig:
@@ -69,6 +73,7 @@ class Game(Scene):
     def populate_world(self) -> None:
         """Put everything into the World, and the camera onto the player."""
         self.world.iterations = ITERATIONS
+        self._let_rest()
         grass = look("grass", (0.9, 0.95, 0.85), scale=4.0, shine=0.0)
         self.static.attach(oo.Plane(material="earth", name="ground", appearance=grass))
         self.parts = furnish(self.dynamic, self.static)
@@ -88,6 +93,13 @@ class Game(Scene):
         self.camera.aside = ASIDE
         self.camera.ride(self.player)
         self.world.schedule(lambda _: self.catch_the_lost(), seconds=1.0)
+
+    def _let_rest(self) -> None:
+        """What lies still costs nothing: it falls asleep until something touches it."""
+        world = self.world
+        world.auto_disable = True
+        world.auto_disable_linear_threshold, world.auto_disable_angular_threshold = RESTING
+        world.auto_disable_samples, world.auto_disable_steps = AVERAGED, RESTS
 
     def _stack(self, x: float, z: float) -> None:
         """A pyramid of crates."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import weakref
-from typing import Any, ClassVar, Self
+from collections.abc import Sequence
+from typing import Any, ClassVar, NamedTuple, Self
 
 from osgode.engine.controllable import Controllable
 from osgode.errors import FieldError, StateError, TreeError, shown
@@ -19,6 +20,14 @@ from osgode.nodes.spaces import SimpleSpace
 POSITION = vector(POSITION_LIMIT)
 
 
+class _Known(NamedTuple):
+    """What is below a composite object, in the order of the tree."""
+
+    nodes: tuple[PhysicsNode, ...]
+    bodies: tuple[Body, ...]
+    geoms: tuple[Geom, ...]
+
+
 class CompositeObject(SimpleSpace):
     """A space whose bodies, joints and scheduled calls are one thing of a game: a car, a door, a weapon.
 
@@ -31,6 +40,25 @@ class CompositeObject(SimpleSpace):
         self._home: weakref.ref[Group] | None = None
         self._off = False
         self._muted: dict[Geom, None] = {}
+
+    _known: _Known | None = None
+    """What was found below it since something last came or went: controllers ask in each step."""
+
+    def _parts(self) -> Sequence[PhysicsNode]:
+        return self._found.nodes
+
+    @property
+    def _found(self) -> _Known:
+        known = self._known
+        if known is None:
+            nodes = tuple(super()._parts())
+            bodies = tuple(node for node in nodes if isinstance(node, Body))
+            known = self._known = _Known(nodes, bodies, tuple(node for node in nodes if isinstance(node, Geom)))
+        return known
+
+    def _forget_parts(self) -> None:
+        self._known = None
+        super()._forget_parts()
 
     def copy(self) -> Self:
         """A new one outside of any World, with copies of its parts and of their joints, but for those to other bodies.
@@ -63,12 +91,12 @@ class CompositeObject(SimpleSpace):
     @property
     def bodies(self) -> tuple[Body, ...]:
         """All bodies below it, in the order of the tree."""
-        return tuple(node for node in physics_nodes(self) if isinstance(node, Body))
+        return self._found.bodies
 
     @property
     def geoms(self) -> tuple[Geom, ...]:
         """All geoms below it, in the order of the tree."""
-        return tuple(node for node in physics_nodes(self) if isinstance(node, Geom))
+        return self._found.geoms
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -82,10 +110,10 @@ class CompositeObject(SimpleSpace):
         Raises:
             StateError: if it has none.
         """
-        body = next((node for node in physics_nodes(self) if isinstance(node, Body)), None)
-        if body is None:
+        bodies = self._found.bodies
+        if not bodies:
             raise StateError(f"{self.describe()} has no body yet; attach one")
-        return body
+        return bodies[0]
 
     # -- all of it as one
 

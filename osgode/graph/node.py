@@ -50,6 +50,9 @@ class Node:
         Raises:
             TreeError: if there are several.
         """
+        refs = self._parents
+        if len(refs) == 1:
+            return refs[0]()
         found = self.parents
         if len(found) > 1:
             raise TreeError(f"{self.describe()} has {len(found)} parents; ask for .parents")
@@ -200,6 +203,7 @@ class Group(Node):
         child._check_parent(self)
         self._children.append(child)
         child._parents.append(weakref.ref(self))
+        self._forget_parts()
         try:
             child._linked(self)
         except BaseException:
@@ -234,6 +238,12 @@ class Group(Node):
             if child._parents[i]() is self:
                 del child._parents[i]
                 break
+        self._forget_parts()
+
+    def _forget_parts(self) -> None:
+        """Called before anybody is told that something below has come or gone, for this group and everything above."""
+        for parent in self.parents:
+            parent._forget_parts()
 
 
 def _everything_above(node: Node) -> Iterator[Node]:

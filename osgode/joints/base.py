@@ -273,8 +273,15 @@ class Joint(HasFields):
         self._listeners.remove(listener)
 
     def _wake(self) -> None:
-        for body in self._bodies:
-            body.wake()
+        realm = self._realm
+        if realm is None:
+            for body in self._bodies:
+                body.wake()
+        else:
+            with realm.holding():
+                lib.dBodyEnable(self._body1._id)
+                if self._body2 is not None:
+                    lib.dBodyEnable(self._body2._id)
 
     def _forget(self) -> None:
         self._released = True
@@ -455,7 +462,8 @@ class Joint(HasFields):
     # -- parameters
 
     def _param(self, code: int) -> float:
-        return float(lib.oo_joint_get_param(self._native, code))
+        value: float = lib.oo_joint_get_param(self._native, code)
+        return value
 
     def _set_param(self, code: int, value: float) -> None:
         lib.oo_joint_set_param(self._native, code, value)

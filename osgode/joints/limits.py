@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, TypedDict
+from typing import Any, ClassVar, TypedDict
 
 from osgode.errors import FieldError, shown
 from osgode.fields import SMALLEST, Check, Field, Followed, NumberField, number, optional
@@ -35,6 +35,7 @@ def param(
         lambda joint: joint._param(code),
         lambda joint, value: joint._set_param(code, value),
         after=after,
+        quiet=True,
         unit=unit,
         doc=doc,
     )
@@ -164,7 +165,7 @@ def stops_field(limit: float, unlimited: float, unit: str, doc: str, group: int 
 
     words = f"two numbers (low, high) from {-limit:g} to {limit:g}, the lower first, or None"
     check: Check[Stops] = Check(words, lambda value: None if value is None else convert(value))
-    return Field(None, check, read, write, after="_driven", unit=unit, doc=doc)
+    return Field(None, check, read, write, after="_driven", quiet=True, unit=unit, doc=doc)
 
 
 class SpringFields(TypedDict, total=False):
@@ -253,17 +254,35 @@ class MotorFields(TypedDict, total=False):
 class Driven(Joint):
     """A joint with motors, and perhaps with stops."""
 
+    MOTORS: ClassVar[dict[int | None, tuple[NumberField, NumberField]]] = {}
+    """Of each axis, None for the only one: the fields of the motor's force and velocity."""
+    STOPPED: ClassVar[tuple[tuple[Field[Stops, Stops], NumberField], ...]] = ()
+    """Of each axis with stops: their field, and that of the motor's force."""
+    _driver: Any = None
+    """What drives the motor instead of a user: a servo."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        fields, start = cls.FIELDS, "motor_max_force"
+        axes = sorted(name.removeprefix(start) for name in fields if name.startswith(start))
+        cls.MOTORS = {
+            int(axis) if axis else None: (fields[start + axis], fields[f"motor_velocity{axis}"]) for axis in axes
+        }
+        cls.STOPPED = tuple((fields[f"stops{axis}"], fields[start + axis]) for axis in axes if f"stops{axis}" in fields)
+
     def _driven(self) -> None:
-        for name in self.FIELDS:
-            if not name.startswith("stops"):
-                continue
-            force, stops = f"motor_max_force{name[5:]}", getattr(self, name)
-            if stops is not None and getattr(self, force) > STRONGEST_AT_STOP:
-                raise FieldError(
-                    f"{self.describe()}.{force} is {getattr(self, force):g}; "
-                    f"with {name}={stops} it must be at most {STRONGEST_AT_STOP:g}"
-                )
+        self._check_force()
         self._wake()
+
+    def _check_force(self) -> None:
+        """Refuse a motor that is too strong for the stops of its axis, or whose axis there isn't."""
+        for field, force in self.STOPPED:
+            strength = getattr(self, force.name)
+            if strength > STRONGEST_AT_STOP and (stops := getattr(self, field.name)) is not None:
+                raise FieldError(
+                    f"{self.describe()}.{force.name} is {strength:g}; "
+                    f"with {field.name}={stops} it must be at most {STRONGEST_AT_STOP:g}"
+                )
 
     def motor(self, velocity: float, max_force: float, *, axis: int | None = None) -> None:
         """Drive at ``velocity`` (rad/s or m/s) with at most ``max_force`` (N m or N).
@@ -276,13 +295,28 @@ class Driven(Joint):
         Raises:
             FieldError: for a bad number, or an axis that the joint hasn't got.
         """
-        known = sorted(name.removeprefix("motor_max_force") for name in self.FIELDS if name.startswith("motor_max"))
-        after = "" if axis is None else str(axis) if type(axis) is int and 0 < axis < 4 else "none of them"
-        if after not in known:
-            right = f"must be one of {', '.join(known)}" if known != [""] else "must not be given"
+        fields = self.MOTORS.get(axis) if axis is None or type(axis) is int else None
+        if fields is None:
+            known = [str(each) for each in self.MOTORS if each is not None]
+            right = f"must be one of {', '.join(known)}" if known else "must not be given"
             raise FieldError(f"{self.describe()}.motor().axis is {shown(axis)}; it {right}")
-        names = [f"motor_max_force{after}", f"motor_velocity{after}"]
-        for name, value in zip(names, (max_force, velocity), strict=True):
-            self.FIELDS[name].check(self.describe(), name, value)
-        setattr(self, names[0], max_force)
-        setattr(self, names[1], velocity)
+        values = fields[0].checked(self, max_force), fields[1].checked(self, velocity)
+        realm = self._realm
+        if realm is None or self._driver is not None:
+            for field, value in zip(fields, values, strict=True):
+                setattr(self, field.name, value)
+            return
+        with realm.holding():
+            before = fields[0].own(self), fields[1].own(self)
+            self._put_motor(fields, values)
+            if values[0] > STRONGEST_AT_STOP or values[0] > before[0] == 0.0:  # else it was allowed before
+                try:
+                    self._check_force()
+                except BaseException:
+                    self._put_motor(fields, before)
+                    raise
+            self._wake()
+
+    def _put_motor(self, fields: tuple[NumberField, NumberField], values: tuple[float, float]) -> None:
+        for field, value in zip(fields, values, strict=True):
+            field._put(self, value)

@@ -113,8 +113,8 @@ class _Motor(Driven):
     def _count(self) -> int:
         return len(self._axes)
 
-    def _driven(self) -> None:
-        super()._driven()
+    def _check_force(self) -> None:
+        super()._check_force()
         for n in range(self._count() + 1, 4):
             if getattr(self, f"motor_max_force{n}") or getattr(self, f"stops{n}", None) is not None:
                 raise FieldError(

@@ -48,9 +48,9 @@ class Servo(HasFields):
         damping_ratio: 1 for critical.
     """
 
-    target = NumberField(0.0, number(-1e8, 1e8), after="_retarget", unit="rad or m", doc="Where it drives to.")
+    target = NumberField(0.0, number(-1e8, 1e8), after="_send", unit="rad or m", doc="Where it drives to.")
     max_speed = NumberField(1.0, number(0.0, VELOCITY_LIMIT), after="_send", unit="rad/s or m/s")
-    max_force = NumberField(100.0, STRENGTH, after="_send", unit="N m or N")
+    max_force = NumberField(100.0, STRENGTH, after="_strengthen", unit="N m or N")
     frequency = NumberField(
         10.0, number(1e-6, 1e6), after="_send", unit="rad/s", doc="How stiff it is: the higher, the sooner it is there."
     )
@@ -83,14 +83,16 @@ class Servo(HasFields):
         off: float = self.target - joint._read("servo").position[0]
         return abs(math.remainder(off, math.tau) if joint._goes_round() else off) < 1e-3
 
-    def _send(self) -> None:
-        if self.joint is not None:
-            self.joint._serve()
+    def _strengthen(self) -> None:
+        joint = self.joint
+        if joint is not None:
+            joint._serve()
 
-    def _retarget(self) -> None:
-        self._send()
-        if self.joint is not None:
-            self.joint._wake()
+    def _send(self) -> None:
+        joint = self.joint
+        if joint is not None:
+            joint._tell_core(self)
+            joint._wake()
 
 
 def _servo(value: object) -> Servo:
@@ -157,9 +159,10 @@ class ServoDriven(Driven):
     def _tell_core(self, servo: Servo) -> None:
         if self._realm is None:
             return
-        with self._live("servo").editing() as realm:
-            row = {name: getattr(servo, name) for name in ("target", "max_speed", "frequency", "damping_ratio")}
-            lib.oo_joint_drive(realm.ptr, self._native, ffi.new("oo_servo *", row | {"turns": self._goes_round()}))
+        realm = self._live("servo")
+        with realm.holding():
+            row = servo.target, servo.max_speed, servo.frequency, servo.damping_ratio, self._goes_round()
+            lib.oo_joint_drive(realm.ptr, self._native, ffi.new("oo_servo *", row))
 
     def _stop_serving(self) -> None:
         with self._by_servo():

@@ -272,6 +272,7 @@ class PhysicsNode(HasFields, Node):
                 except BaseException:
                     old.attach(self)
                     old._children.insert(index, old._children.pop())
+                    old._forget_parts()
                     raise
             finally:
                 self._moving = False
@@ -287,6 +288,7 @@ class PhysicsNode(HasFields, Node):
         except BaseException:
             self._relink(new, old)
             old._children.insert(index, old._children.pop())
+            old._forget_parts()
             self._rehoused(new, old)
             raise
 
@@ -294,6 +296,7 @@ class PhysicsNode(HasFields, Node):
         old._unlink(self)
         new._children.append(self)
         self._parents.append(weakref.ref(new))
+        new._forget_parts()
         old._touch()
         new._touch()
 
@@ -326,6 +329,10 @@ class PhysicsNode(HasFields, Node):
             node._leave()
         for node in asleep:  # what leaves wakes what it touched or held, but not what leaves along with it
             node._record["enabled"] = False
+
+    def _parts(self) -> Sequence[PhysicsNode]:
+        """The physics nodes at and below it, parents first."""
+        return [node for node in self.walk() if isinstance(node, PhysicsNode)]
 
     # -- what a kind of node does on these occasions
 
@@ -370,6 +377,8 @@ class PhysicsNode(HasFields, Node):
 
 def physics_nodes(top: Node) -> Sequence[PhysicsNode]:
     """The physics nodes at and below ``top``, parents first."""
+    if isinstance(top, PhysicsNode):
+        return top._parts()
     return [node for node in top.walk() if isinstance(node, PhysicsNode)]
 
 

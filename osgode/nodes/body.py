@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
-from osgode.fields import POSITION_LIMIT, vector
+from osgode.fields import POSITION_LIMIT, UNFIT, Check, vector
 from osgode.graph.transforms import PoseSource, Transform
 from osgode.maths import ZERO, FloatArray, Pose, Quat, Vec3, Vec3Like
 from osgode.native import ffi, lib
@@ -20,6 +20,8 @@ from osgode.nodes.tunnelling import Tunnelling
 
 if TYPE_CHECKING:
     from osgode.joints.base import Joint
+
+POINT, PUSH = vector(POSITION_LIMIT), vector(FORCE_LIMIT)
 
 
 class Body(Listening, Tunnelling, Transform):
@@ -74,61 +76,53 @@ class Body(Listening, Tunnelling, Transform):
             FieldError: for numbers that are not finite.
             StateError: outside of a World.
         """
-        f = self._argument("add_force", "force", force, FORCE_LIMIT)
+        f = self._argument("add_force", "force", force, PUSH)
         with self._live("add_force").holding():
             if at is None:
                 lib.dBodyAddForce(self._id, *f)
             else:
-                lib.dBodyAddForceAtPos(self._id, *f, *self._argument("add_force", "at", at, POSITION_LIMIT))
+                lib.dBodyAddForceAtPos(self._id, *f, *self._argument("add_force", "at", at, POINT))
             lib.dBodyEnable(self._id)
 
     def add_local_force(self, force: Vec3Like, *, at: Vec3Like | None = None) -> None:
         """The same with ``force`` along body axes and ``at`` in the body's frame."""
-        f = self._argument("add_local_force", "force", force, FORCE_LIMIT)
-        point = None if at is None else self.local_to_world(self._argument("add_local_force", "at", at, POSITION_LIMIT))
+        f = self._argument("add_local_force", "force", force, PUSH)
+        point = None if at is None else self.local_to_world(self._argument("add_local_force", "at", at, POINT))
         self.add_force(self.vector_to_world(f), at=point)
 
     def add_torque(self, torque: Vec3Like) -> None:
         """Turn with ``torque`` (N m, world axes) during the next step."""
-        t = self._argument("add_torque", "torque", torque, FORCE_LIMIT)
+        t = self._argument("add_torque", "torque", torque, PUSH)
         with self._live("add_torque").holding():
             lib.dBodyAddTorque(self._id, *t)
             lib.dBodyEnable(self._id)
 
     def add_local_torque(self, torque: Vec3Like) -> None:
         """The same with ``torque`` along body axes."""
-        self.add_torque(self.vector_to_world(self._argument("add_local_torque", "torque", torque, FORCE_LIMIT)))
+        self.add_torque(self.vector_to_world(self._argument("add_local_torque", "torque", torque, PUSH)))
 
     def apply_impulse(self, impulse: Vec3Like, *, at: Vec3Like | None = None) -> None:
         """Change the velocities at once, as a hit of ``impulse`` (N s, world axes) does.
 
         The hit is at the centre of mass, or ``at`` a point of the world: ``dv = J / m``, ``dw = I^-1 (r x J)``.
         """
-        j = self._argument("apply_impulse", "impulse", impulse, FORCE_LIMIT)
-        arm = (
-            ZERO
-            if at is None
-            else self._argument("apply_impulse", "at", at, POSITION_LIMIT) - self.world_centre_of_mass
-        )
+        j = self._argument("apply_impulse", "impulse", impulse, PUSH)
+        arm = ZERO if at is None else self._argument("apply_impulse", "at", at, POINT) - self.world_centre_of_mass
         self._kick("apply_impulse", j, arm.cross(j))
 
     def apply_angular_impulse(self, impulse: Vec3Like) -> None:
         """Change the angular velocity at once, as a twist of ``impulse`` (N m s, world axes) does."""
-        self._kick(
-            "apply_angular_impulse", ZERO, self._argument("apply_angular_impulse", "impulse", impulse, FORCE_LIMIT)
-        )
+        self._kick("apply_angular_impulse", ZERO, self._argument("apply_angular_impulse", "impulse", impulse, PUSH))
 
     def apply_local_impulse(self, impulse: Vec3Like, *, at: Vec3Like | None = None) -> None:
         """As `apply_impulse`, with ``impulse`` along body axes and ``at`` in the body's frame."""
-        j = self._argument("apply_local_impulse", "impulse", impulse, FORCE_LIMIT)
-        point = (
-            None if at is None else self.local_to_world(self._argument("apply_local_impulse", "at", at, POSITION_LIMIT))
-        )
+        j = self._argument("apply_local_impulse", "impulse", impulse, PUSH)
+        point = None if at is None else self.local_to_world(self._argument("apply_local_impulse", "at", at, POINT))
         self.apply_impulse(self.vector_to_world(j), at=point)
 
     def apply_local_angular_impulse(self, impulse: Vec3Like) -> None:
         """As `apply_angular_impulse`, with ``impulse`` along body axes."""
-        j = self._argument("apply_local_angular_impulse", "impulse", impulse, FORCE_LIMIT)
+        j = self._argument("apply_local_angular_impulse", "impulse", impulse, PUSH)
         self.apply_angular_impulse(self.vector_to_world(j))
 
     def _kick(self, doing: str, linear: Vec3, angular: Vec3) -> None:
@@ -146,8 +140,11 @@ class Body(Listening, Tunnelling, Transform):
             lib.dBodySetLinearVel(self._id, *centre)
             lib.dBodyEnable(self._id)
 
-    def _argument(self, call: str, name: str, value: Vec3Like, limit: float) -> Vec3:
-        return vector(limit)(f"{self.describe()}.{call}()", name, value)
+    def _argument(self, call: str, name: str, value: Vec3Like, check: Check[Vec3]) -> Vec3:
+        try:
+            return check.convert(value)
+        except UNFIT:
+            return check(f"{self.describe()}.{call}()", name, value)  # raises, and says of what
 
     @property
     def asleep(self) -> bool:
@@ -156,8 +153,9 @@ class Body(Listening, Tunnelling, Transform):
 
     def wake(self) -> None:
         """Let it move again if it has fallen asleep; pushes, hits and set velocities do so too."""
-        if self._realm is not None:
-            with self._realm.holding():
+        realm = self._realm
+        if realm is not None:
+            with realm.holding():
                 lib.dBodyEnable(self._id)
 
     # -- joints and touching

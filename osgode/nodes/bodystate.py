@@ -29,30 +29,32 @@ from osgode.fields import (
     whole,
 )
 from osgode.mass import Mass
-from osgode.maths import IDENTITY, ZERO, Quat, QuatLike, Vec3, Vec3Like
+from osgode.maths import IDENTITY, ZERO, Quat, QuatLike, Vec3, Vec3Like, quat, vec3
 from osgode.native import ffi, lib
 from osgode.nodes.base import PhysicsNode
 from osgode.nodes.inherited import AutoDisable, Countdown, Inherited
+
+unpack = ffi.unpack
 
 FORCE_LIMIT = 1e15
 """Newtons, newton metres, and their seconds."""
 
 
 def _three(call: Callable[[Any], Any]) -> Callable[[BodyState], Vec3]:
-    return lambda body: Vec3(*ffi.unpack(call(body._id), 3))
+    return lambda body: vec3(unpack(call(body._id), 3))
 
 
 def _rotated_com(body: BodyState) -> Vec3:
     """The centre of mass as seen from the frame, along the axes of the world."""
-    r = ffi.unpack(lib.dBodyGetRotation(body._id), 12)
+    r = unpack(lib.dBodyGetRotation(body._id), 12)
     x, y, z = body._com
-    return Vec3(r[0] * x + r[1] * y + r[2] * z, r[4] * x + r[5] * y + r[6] * z, r[8] * x + r[9] * y + r[10] * z)
+    return vec3((r[0] * x + r[1] * y + r[2] * z, r[4] * x + r[5] * y + r[6] * z, r[8] * x + r[9] * y + r[10] * z))
 
 
 def read_position(body: BodyState) -> Vec3:
     """The position of the frame, from ODE."""
-    centre = Vec3(*ffi.unpack(lib.dBodyGetPosition(body._id), 3))
-    return centre - _rotated_com(body) if body._com != ZERO else centre
+    centre = vec3(unpack(lib.dBodyGetPosition(body._id), 3))
+    return centre if body._com == ZERO else centre - _rotated_com(body)
 
 
 def write_position(body: BodyState, value: Vec3) -> None:
@@ -64,7 +66,7 @@ def write_position(body: BodyState, value: Vec3) -> None:
 
 
 def _read_rotation(body: BodyState) -> Quat:
-    return Quat(*ffi.unpack(lib.dBodyGetQuaternion(body._id), 4))
+    return quat(unpack(lib.dBodyGetQuaternion(body._id), 4))
 
 
 def _write_rotation(body: BodyState, value: Quat) -> None:
@@ -80,7 +82,7 @@ def _write_rotation(body: BodyState, value: Quat) -> None:
 
 def read_linear(body: BodyState) -> Vec3:
     """The velocity of the frame's origin, from ODE."""
-    velocity = Vec3(*ffi.unpack(lib.dBodyGetLinearVel(body._id), 3))
+    velocity = vec3(unpack(lib.dBodyGetLinearVel(body._id), 3))
     if body._com == ZERO:
         return velocity
     return velocity - _read_angular(body).cross(_rotated_com(body))

@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from osgode.errors import FieldError, TreeError, shown
-from osgode.fields import DIRECTION, POSITION_LIMIT, ROTATION, number, vector
+from osgode.fields import DIRECTION, POSITION_LIMIT, ROTATION, UNFIT, number, vector
 from osgode.materials import KINDS, collide_bits
-from osgode.maths import IDENTITY, ZERO, FloatArray, Quat, Vec3, Vec3Like
+from osgode.maths import IDENTITY, ZERO, FloatArray, Quat, Vec3, Vec3Like, vec3
 from osgode.native import checked, ffi, lib, row_dtype
 from osgode.nodes.base import PhysicsNode, physics_nodes
 from osgode.nodes.closest import is_geom, refuse_concave
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 LONGEST = 1e6
 """Metres: ODE computes with the ends of rays."""
+POINT, RAY_LENGTH = vector(POSITION_LIMIT), number(1e-6, LONGEST)
 
 HIT_ROW = row_dtype("oo_hit")
 Kinds = str | Iterable[str] | None
@@ -105,7 +106,9 @@ class Queries(PhysicsNode):
         query, _keep = self._query(realm, "cast_ray", kinds, exclude)
         out = ffi.new("oo_hit *")
         with realm.holding():
-            checked(lib.oo_cast_rays(realm.ptr, query, row, 1, out), f"{self.describe()}.cast_ray()")
+            status = lib.oo_cast_rays(realm.ptr, query, row, 1, out)
+            if status < 0:
+                checked(status, f"{self.describe()}.cast_ray()")
         return None if out.slot < 0 else _hit(realm, out)
 
     def cast_ray_through(
@@ -251,10 +254,14 @@ class Queries(PhysicsNode):
     # -- what the C core is asked with
 
     def _ray(self, call: str, origin: Vec3Like, direction: Vec3Like, length: float) -> Any:
-        name = f"{self.describe()}.{call}()"
-        start = vector(POSITION_LIMIT)(name, "origin", origin)
-        way = DIRECTION(name, "direction", direction)
-        return ffi.new("double[7]", [*start, *way, number(1e-6, LONGEST)(name, "length", length)])
+        try:
+            return ffi.new(
+                "double[7]", (*POINT.convert(origin), *DIRECTION.convert(direction), RAY_LENGTH.convert(length))
+            )
+        except UNFIT:  # said again, by what checks one after the other and says of what
+            name = f"{self.describe()}.{call}()"
+            start, way = POINT(name, "origin", origin), DIRECTION(name, "direction", direction)
+            return ffi.new("double[7]", (*start, *way, RAY_LENGTH(name, "length", length)))
 
     def _ray_rows(self, origins: npt.ArrayLike, directions: npt.ArrayLike, lengths: npt.ArrayLike) -> FloatArray:
         name = f"{self.describe()}.cast_rays()"
@@ -280,26 +287,34 @@ class Queries(PhysicsNode):
         return rows
 
     def _query(self, realm: Realm, call: str, kinds: Kinds, exclude: Iterable[PhysicsNode]) -> tuple[Any, Any]:
-        name = f"{self.describe()}.{call}()"
-        bits = collide_bits(KINDS(name, "kinds", kinds))
+        try:
+            bits = collide_bits(KINDS.convert(kinds))
+        except UNFIT:
+            bits = collide_bits(KINDS(f"{self.describe()}.{call}()", "kinds", kinds))
         slots: set[int] = set()
         nodes = (exclude,) if isinstance(exclude, PhysicsNode) else exclude
         if not isinstance(nodes, Iterable):
-            raise TreeError(f"{name}: exclude is {shown(exclude)}; it must be a list of bodies, geoms or spaces")
+            raise TreeError(
+                f"{self.describe()}.{call}(): exclude is {shown(exclude)}; it must be a list of bodies, geoms or spaces"
+            )
         for node in nodes:
             if not isinstance(node, PhysicsNode):
-                raise TreeError(f"{name}: exclude has {shown(node)}; it must be a list of bodies, geoms or spaces")
-            slots |= {each._slot for each in physics_nodes(node) if each._realm is realm and hasattr(each, "_slot")}
+                raise TreeError(
+                    f"{self.describe()}.{call}(): exclude has {shown(node)}; "
+                    "it must be a list of bodies, geoms or spaces"
+                )
+            slots.update(
+                [each._slot for each in physics_nodes(node) if each._realm is realm and hasattr(each, "_slot")]
+            )
         table = ffi.new("unsigned int[]", sorted(slots))
-        query = {"kinds": bits, "space": self._native_space(), "excluded": table, "excluded_count": len(slots)}
-        return ffi.new("oo_query *", query), table
+        return ffi.new("oo_query *", (bits, self._native_space(), table, len(slots))), table
 
 
 def _placed(name: str, shape: Any, position: Vec3Like, rotation: QuatLike) -> tuple[Vec3, Quat]:
     """Where a shape is to stand that is asked about."""
     if not is_geom(shape) or shape.is_live:
         raise TreeError(f"{name}: shape is {shown(shape)}; it must be a geom that is in no World")
-    point = vector(POSITION_LIMIT)(name, "position", position)
+    point = POINT(name, "position", position)
     turn = ROTATION(name, "rotation", rotation)
     if not shape.PLACED and (point != ZERO or turn != IDENTITY):
         raise FieldError(f"{name}: {shape.describe()} can't be placed; leave position and rotation away")
@@ -308,4 +323,4 @@ def _placed(name: str, shape: Any, position: Vec3Like, rotation: QuatLike) -> tu
 
 def _hit(realm: Realm, row: Any) -> Hit:
     geom = cast("Geom", realm.node_of_slot(row.slot))
-    return Hit(Vec3(*row.point), Vec3(*row.normal), row.distance, geom, geom.body)
+    return Hit(vec3(row.point), vec3(row.normal), row.distance, geom, geom.body)
