@@ -15,7 +15,7 @@ from osgode.examples.game.tour import SECONDS, Tour
 from osgode.examples.runner import OUT, has_screen, is_installed, progress
 from osgode.render import VideoWriter, save_png
 
-FPS = 30
+FPS = 24
 SIZE = (854, 480)
 """Of the film, pixels."""
 EVERY = 6.0

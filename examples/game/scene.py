@@ -107,7 +107,8 @@ class Game(Scene):
         for row in range(4):
             for k in range(4 - row):
                 place = (x + (k - (3 - row) / 2) * (CRATE + 0.02), CRATE * (row + 0.5), z)
-                crate = oo.Body(name=f"crate {len(self.crates)}", position=place)
+                # A full shot would carry it through walls.
+                crate = oo.Body(name=f"crate {len(self.crates)}", position=place, tunnelling="sweep")
                 crate.attach(oo.Placeable()).attach(
                     oo.Box((CRATE, CRATE, CRATE), material="wood", mass=CRATE_MASS, appearance=looks)
                 )

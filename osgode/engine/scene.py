@@ -209,7 +209,8 @@ class Scene(Module):
 
     def move_camera(self) -> None:
         """Take the camera to where this frame's picture is taken from, after its steps; a game may do otherwise."""
-        self.camera.update(self.clock.delta, self.interpolation)
+        seconds = 0.0 if self._app is None else self.clock.delta
+        self.camera.update(seconds, self.interpolation)
 
     def bind_actions(self) -> None:
         """Let the actions that every game has do what they are called; a game may leave some out, or add its own."""
