@@ -239,7 +239,7 @@ class Player(ControllableObject):
         missing = math.remainder(self.controls.yaw - yaw, math.tau)
         self.balance.motor(TURNING * missing, 400.0, axis=3)
         for shoulder in self.shoulders:
-            if shoulder.servo is not None:
+            if shoulder.servo is not None and shoulder.servo.target != self.controls.pitch:
                 shoulder.servo.target = self.controls.pitch
 
     def _find_ground(self, world: oo.World) -> tuple[oo.Hit | None, oo.Vec3]:
