@@ -40,21 +40,26 @@ class CrowdedGame(Game):
         for k in range((LOOSE - len(self.crates)) // 10):
             self._stack(FIELD[0] - 4.0 * (k % 5), FIELD[1] + 3.0 * (k // 5))
 
+    spent = StepTimings()
+    """Where the time of its steps went."""
+
+    def advance(self, steps: int) -> None:
+        """Note where the time of each step went."""
+        for _ in range(steps):
+            super().advance(1)
+            self.spent += self.world.timings
+
+    def keep_awake(self) -> None:
+        """Let no crate fall asleep."""
+        for crate in self.crates:
+            crate.auto_disable = False
+            crate.wake()
+
     def throw(self) -> None:
         """Throw every crate up, as an explosion does: each lands about a second later."""
         for number, crate in enumerate(self.crates):
             crate.linear_velocity = (0.5 * (number % 7 - 3), 5.0, 0.5 * (number % 5 - 2))
             crate.angular_velocity = (number % 3 - 1.0, 0.0, number % 4 - 1.5)
-
-
-def play_steps(play: Play, count: int) -> tuple[float, float, StepTimings]:
-    """Processor time and time by the clock of some steps with their frames, seconds, and where those steps went."""
-    total = StepTimings()
-    clock, used = time.perf_counter(), time.thread_time()
-    for _ in range(count):
-        play.steps(1)
-        total += play.scene.world.timings
-    return time.thread_time() - used, time.perf_counter() - clock, total
 
 
 def shares(play: Play, count: int) -> dict[str, float] | None:
@@ -67,7 +72,7 @@ def shares(play: Play, count: int) -> dict[str, float] | None:
         except FileNotFoundError:
             return None
         time.sleep(0.5)
-        play.steps(count)
+        play.seconds(count * play.scene.world.step_size)
         perf.terminate()
         perf.wait()
         command = ["perf", "report", "-i", str(data), "--stdio", "-q", "--sort", "dso"]
@@ -83,29 +88,32 @@ def shares(play: Play, count: int) -> dict[str, float] | None:
 
 def run(turn_count: int) -> None:
     """Print how fast the game is at rest, in an uproar and with nothing asleep, and what single calls take."""
-    print(f"The game: player, walker, two cars, {LOOSE} crates, steps of 1/120 s with a frame each; processor's time")
+    print(
+        f"The game: player, walker, two cars, {LOOSE} crates; steps of 1/120 s, two a frame; processor's time of a step"
+    )
     with Play(CrowdedGame, config()) as play:
         game = cast(CrowdedGame, play.scene)
         play.seconds(3)
         play.seconds(3)
         _situation(play, "crates at rest", turn_count)
         _situation(play, "all crates thrown, falling, and piled", turn_count, game.throw)
-        for crate in game.crates:
-            crate.auto_disable = False
+        game.keep_awake()
         _situation(play, "every crate kept awake", turn_count)
     single_calls()
 
 
 def _situation(play: Play, name: str, turn_count: int, prepare: Callable[[], object] | None = None) -> None:
-    times, total = [], StepTimings()
+    times, game = [], cast(CrowdedGame, play.scene)
+    game.spent = StepTimings()
     for _ in range(max(2, turn_count // 12)):
         if prepare is not None:
             prepare()
-        used, _, timings = play_steps(play, TURN)
-        times.append(used / TURN)
-        total += timings
+        used = time.thread_time()
+        play.seconds(TURN * game.world.step_size)
+        times.append((time.thread_time() - used) / TURN)
+    total = game.spent
     step = Spread.of(times)
-    world = play.scene.world
+    world = game.world
     speed = world.step_size / step.median
     awake = sum(body.enabled for body in world.bodies)
     text = f"{speed:.1f} times real time; {step.median * 1e3:.2f} ms ({step.low * 1e3:.2f} to {step.high * 1e3:.2f})"

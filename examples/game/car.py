@@ -227,9 +227,9 @@ class Car(ControllableObject):
         self._hold_the_road(rim, on)
         if self.sway_bars:
             self._sway(states["position"][:, 2].tolist(), on)
-        forces = np.linalg.norm(states["force1"], axis=1)
-        if forces.max() > DAMAGE_FORCE:
-            self._wear(forces.tolist(), on)
+        forces = [math.hypot(*force) for force in states["force1"].tolist()]
+        if max(forces) > DAMAGE_FORCE:
+            self._wear(forces, on)
         self._park(rim)
 
     def _states(self, on: Sequence[bool]) -> np.ndarray[Any, np.dtype[Any]]:

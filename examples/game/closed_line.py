@@ -25,11 +25,14 @@ class ClosedLine:
         if len(self.points) < 3:
             raise oo.FieldError(f"ClosedLine: there are {len(self.points)} points; a closed line needs at least 3")
         self._starts = [0.0]
+        self._plan: list[tuple[float, float, float, float, float]] = []  # of each piece: x, z; how far in x, z; length
         for k, point in enumerate(self.points):
-            step = _plan(self.points[(k + 1) % len(self.points)] - point).length
+            way = _plan(self.points[(k + 1) % len(self.points)] - point)
+            step = way.length
             if step < 1e-6:
                 raise oo.FieldError(f"ClosedLine: points {k} and the next are both at {tuple(point)}")
             self._starts.append(self._starts[-1] + step)
+            self._plan.append((point.x, point.z, way.x, way.z, step))
 
     def __len__(self) -> int:
         return len(self.points)
@@ -100,16 +103,15 @@ class ClosedLine:
         else:
             first, last = self._index(near - reach)[0], self._index(near + reach)[0]
             indices = range(first, (last if last >= first else last + count) + 1)
-        spot = oo.Vec3(*place)
+        x, _, z = place
         best = (math.inf, 0.0, 0.0)
         for k in indices:
-            begin = self.points[k % count]
-            way, to = _plan(self.points[(k + 1) % count] - begin), _plan(spot - begin)
-            length = way.length
-            along = min(max(to.dot(way) / length, 0.0), length)
-            off = (to - way * (along / length)).length
+            begin_x, begin_z, way_x, way_z, length = self._plan[k % count]
+            to_x, to_z = x - begin_x, z - begin_z
+            along = min(max((to_x * way_x + to_z * way_z) / length, 0.0), length)
+            off = math.hypot(to_x - way_x * (along / length), to_z - way_z * (along / length))
             if off < best[0]:
-                side = math.copysign(off, way.cross(to).y * -1.0)
+                side = math.copysign(off, way_x * to_z - way_z * to_x)
                 best = (off, self._starts[k % count] + along, side)
         return best[1] % self.length, best[2]
 

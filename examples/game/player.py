@@ -258,7 +258,7 @@ class Player(ControllableObject):
         pitch = self.controls.pitch
         right = pitch if self.arsenal.in_hand is not None else pitch + LOWERED
         for shoulder, target in zip(self.shoulders, (right, pitch + LOWERED), strict=True):
-            if shoulder.servo is not None:
+            if shoulder.servo is not None and shoulder.servo.target != target:
                 shoulder.servo.target = target
 
     def _find_ground(self, world: oo.World) -> tuple[oo.Hit | None, oo.Vec3]:

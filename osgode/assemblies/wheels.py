@@ -43,6 +43,7 @@ class Wheel(Assembly[Body]):
         self._hinge = joint
         self._radius = radius
         self._max_steering = max_steering
+        self._angle = number(0.0 - max_steering, max_steering)
 
     @property
     def chassis(self) -> Body:
@@ -86,7 +87,7 @@ class Wheel(Assembly[Body]):
 
     @steering.setter
     def steering(self, value: float) -> None:
-        angle = number(0.0 - self._max_steering, self._max_steering)(self.describe(), "steering", value)
+        angle = self._angle(self.describe(), "steering", value)
         self._hinge.stops1 = (angle, angle)
 
     # -- driving

@@ -155,6 +155,8 @@ class Controllable:
     @property
     def level_movement(self) -> Vec3:
         """Where it wants to go in the world by the yaw alone, up and down left out: how something walks."""
+        if not self._moves:
+            return ZERO
         total = sum((MOVES[name] for name in MOVES if name in self._moves), ZERO)
         return Quat.from_yaw_pitch_roll(self.yaw).rotate(_direction(Vec3(total.x, 0.0, total.z)))
 

@@ -61,11 +61,18 @@ class Node:
     @property
     def ancestors(self) -> Iterator[Group]:
         """The first parent, its first parent, and so on up to a root."""
-        node: Node | None = self
+        node: Group | None = self._first_parent
         while node is not None:
-            node = next(iter(node.parents), None)
-            if node is not None:
-                yield node
+            yield node
+            node = node._first_parent
+
+    @property
+    def _first_parent(self) -> Group | None:
+        for ref in self._parents:
+            parent = ref()
+            if parent is not None:
+                return parent
+        return None
 
     def walk(self) -> Iterator[Node]:
         """This node and everything below it, each parent before its children."""

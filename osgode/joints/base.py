@@ -279,9 +279,13 @@ class Joint(HasFields):
                 body.wake()
         else:
             with realm.holding():
-                lib.dBodyEnable(self._body1._id)
-                if self._body2 is not None:
-                    lib.dBodyEnable(self._body2._id)
+                self._rouse()
+
+    def _rouse(self) -> None:
+        """Wake the bodies of a live joint whose World is held."""
+        lib.dBodyEnable(self._body1._id)
+        if self._body2 is not None:
+            lib.dBodyEnable(self._body2._id)
 
     def _forget(self) -> None:
         self._released = True

@@ -146,8 +146,10 @@ def stops_field(limit: float, unlimited: float, unit: str, doc: str, group: int 
     """
     low_code, high_code = 0x100 * group + lib.dParamLoStop, 0x100 * group + lib.dParamHiStop
 
+    end = number(-limit, limit)
+
     def convert(value: Any) -> tuple[float, float]:
-        low, high = (number(-limit, limit).convert(v) for v in value)
+        low, high = (end.convert(v) for v in value)
         if low > high:
             raise ValueError
         return low, high
@@ -307,16 +309,13 @@ class Driven(Joint):
                 setattr(self, field.name, value)
             return
         with realm.holding():
-            before = fields[0].own(self), fields[1].own(self)
-            self._put_motor(fields, values)
-            if values[0] > STRONGEST_AT_STOP or values[0] > before[0] == 0.0:  # else it was allowed before
+            before = fields[0].own(self)
+            fields[0]._put(self, values[0])
+            if values[0] > STRONGEST_AT_STOP or values[0] > before == 0.0:  # else it was allowed before
                 try:
                     self._check_force()
                 except BaseException:
-                    self._put_motor(fields, before)
+                    fields[0]._put(self, before)
                     raise
-            self._wake()
-
-    def _put_motor(self, fields: tuple[NumberField, NumberField], values: tuple[float, float]) -> None:
-        for field, value in zip(fields, values, strict=True):
-            field._put(self, value)
+            fields[1]._put(self, values[1])
+            self._rouse()

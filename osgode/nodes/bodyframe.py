@@ -32,4 +32,6 @@ class BodyFrame(BodyState):
 
     def velocity_at(self, point: Vec3Like) -> Vec3:
         """The velocity (m/s) of the material point of the body that is at ``point`` of the world now."""
-        return self.linear_velocity + self.angular_velocity.cross(Vec3(*point) - self.position)
+        x, y, z = point
+        px, py, pz = self.position
+        return self.linear_velocity + self.angular_velocity.cross((x - px, y - py, z - pz))

@@ -2,6 +2,7 @@
 
 import gc
 import math
+import weakref
 
 import pytest
 from hypothesis import given, settings
@@ -482,3 +483,64 @@ def test_a_control_that_fails_is_reported():
         world.step()
     assert "thing" in caught.value.__notes__[0]
     world.step(2)
+
+
+def test_what_it_is_made_of_is_asked_again_by_whoever_hears_of_a_change():
+    """In `entered` of a new part, in listeners of what has gone, and after moves within the World."""
+    _, space = setting()
+    outer, other = space.attach(CompositeObject(name="outer")), space.attach(CompositeObject(name="other"))
+    first = stone(outer, (0, 0, 0))
+    assert outer.bodies == (first,)
+    seen = []
+
+    class Part(CompositeObject):
+        def entered(self):
+            seen.append((outer.bodies, outer.main_body, len(outer.geoms)))
+
+    part = Part()
+    second = stone(part, (3, 0, 0))
+    outer.attach(part)
+    assert seen == [((first, second), first, 2)]
+
+    joint = oo.Ball(second, first)
+    assert outer.joints == (joint,)
+    joint.on_let_go(lambda _: seen.append((outer.bodies, outer.joints)))
+    outer.detach(first)
+    assert seen[1:] == [((second,), (joint,))]
+    assert outer.main_body is second
+
+    part.move_to(other)
+    assert (outer.bodies, other.bodies) == ((), (second,))
+    part.attach(first)
+    assert other.bodies == (second, first)
+    assert part.bodies == (second, first)
+    other.detach(part)
+    assert (other.bodies, other.geoms) == ((), ())
+
+
+def test_a_part_that_is_refused_is_not_among_its_parts():
+    _, space = setting()
+    outer = space.attach(CompositeObject())
+    seen = []
+
+    class Unwilling(CompositeObject):
+        def entered(self):
+            seen.append(len(outer.bodies))
+            raise RuntimeError("no")
+
+    unwilling = Unwilling()
+    stone(unwilling, (0, 0, 0))
+    with pytest.raises(RuntimeError, match="no"):
+        outer.attach(unwilling)
+    assert seen == [1]
+    assert outer.bodies == outer.geoms == ()
+
+
+def test_parts_that_have_gone_are_not_kept_by_what_they_were_of():
+    outer = CompositeObject()
+    body = stone(outer, (0, 0, 0))
+    assert outer.bodies == (body,)
+    gone = weakref.ref(outer.detach(body))
+    del body
+    gc.collect()
+    assert gone() is None

@@ -1,6 +1,7 @@
 """Stops and motors of hinges and sliders: holding, freeing, and what is refused."""
 
 import math
+import threading
 
 import pytest
 
@@ -312,3 +313,45 @@ def test_a_stop_holds_on_while_masses_change(kind):
         held.body1.fixed_mass = oo.Mass(3.0 + k, oo.Vec3(0.1 * k, 0.2, -0.1))
         held.world.run(0.1)
         assert coordinate(held.joint) == pytest.approx(0.25, abs=2e-3)
+
+
+@pytest.mark.parametrize("live", [False, True])
+def test_a_motor_too_strong_for_the_stops_is_refused_with_both_its_numbers(live):
+    world = oo.World()
+    body = oo.Body(position=(1, 0, 0))
+    hinge = oo.Hinge(body, stops=(-1, 1), motor_velocity=0.5, motor_max_force=3.0)
+    if live:
+        world.attach(body)
+    for velocity, force in ((2.0, 1.1e9), (2.0, math.inf), (math.nan, 4.0), (2.0, -1.0), (2.0, math.nan), ("2", 4.0)):
+        with pytest.raises(oo.FieldError):
+            hinge.motor(velocity, force)
+        assert (hinge.motor_velocity, hinge.motor_max_force) == (0.5, 3.0)
+    hinge.stops = None
+    hinge.motor(2.0, math.inf)
+    assert (hinge.motor_velocity, hinge.motor_max_force) == (2.0, math.inf)
+    with pytest.raises(oo.FieldError, match="at most 1e"):
+        hinge.stops = (-1, 1)
+    assert hinge.stops is None
+    hinge.motor(-1.0, 7.0)
+    hinge.stops = (-1, 1)
+    assert (hinge.motor_velocity, hinge.motor_max_force, hinge.stops) == (-1.0, 7.0, (-1.0, 1.0))
+
+
+def test_setting_a_motor_while_another_thread_steps_is_refused():
+    world = oo.World()
+    body = world.attach(oo.Body())
+    hinge = oo.Hinge(body)
+    errors = []
+
+    def drive():
+        try:
+            hinge.motor(1.0, 2.0)
+        except oo.StateError as error:
+            errors.append(error)
+
+    with world._realm.editing():
+        thread = threading.Thread(target=drive)
+        thread.start()
+        thread.join()
+    assert len(errors) == 1
+    assert (hinge.motor_velocity, hinge.motor_max_force) == (0.0, 0.0)
