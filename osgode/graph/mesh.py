@@ -35,6 +35,11 @@ class Mesh:
     """The middle of the bounding box."""
     radius: Final[float]
     """The radius of a sphere about the middle that holds every vertex."""
+    simpler: tuple[tuple[Mesh, float], ...] = ()
+    """Meshes with fewer triangles that may cast shadows in its stead, the simplest first, each with the most by which
+    its outline is off, in metres."""
+    solid_behind: bool = False
+    """Whether it is the surface of a half-space: then it throws no shadow from its front, where all others are."""
 
     def __init__(
         self,

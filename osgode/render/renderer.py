@@ -14,7 +14,7 @@ from osgode.graph.appearance import Appearance
 from osgode.graph.frame import MAX_LIGHTS, Bin, Frame, Light
 from osgode.maths import FloatArray
 from osgode.render import shaders
-from osgode.render.culling import plain
+from osgode.render.culling import near_to_far, plain
 from osgode.render.lines import LineDrawer
 from osgode.render.overlay import Overlay
 from osgode.render.resources import SHADOW_UNIT, TEXTURE_UNIT, FrameBlock, InstanceBuffer, Resources, is_software
@@ -122,7 +122,7 @@ class GLRenderer:
         aspect = size[0] / size[1]
         axes = light_axes(frame.sun.direction)
         cascades = self._shadow_map.fit(frame.view, aspect, axes)
-        selected = select(frame.casters if frame.sun.shadows else [], axes, cascades)
+        selected = select(frame.casters if frame.sun.shadows else [], axes, cascades, self._shadow_map.size)
         self._write_frame(frame, aspect, axes, cascades)
 
         bins = [*frame.opaque, *frame.transparent, *frame.front]
@@ -194,7 +194,8 @@ class GLRenderer:
     def _draw_opaque(self, frame: Frame, firsts: list[int], shadowed: bool) -> int:
         view = frame.view
         outside = plain(frame.opaque, view.pose.position, view.near)
-        for one, first, seen_from_outside in zip(frame.opaque, firsts, outside, strict=False):
+        for number in near_to_far(frame.opaque, view.pose.position):
+            one, first, seen_from_outside = frame.opaque[number], firsts[number], outside[number]
             program = self._set_appearance(one.appearance, shadowed, cutout=True)
             mesh = self._resources.mesh(one.mesh)
             # A texture may have holes, through which the back is seen.
