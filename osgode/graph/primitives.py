@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from osgode.graph.mesh import Mesh
+from osgode.graph.mesh import Mesh, Simpler
 from osgode.maths import FloatArray
 
 SEGMENTS = 24
@@ -85,7 +85,7 @@ def rectangle_mesh(width: float, height: float, texture_scale: TextureScale = No
 def sphere_mesh(radius: float = 1.0, texture_scale: TextureScale = None) -> Mesh:
     """A sphere with its poles on the Y axis: u runs around it to the east, v from the south pole to the north."""
     repeats = _repeats(radius, math.pi * radius, texture_scale)
-    return _with_simpler(lambda segments: _sphere(radius, repeats, segments), radius)
+    return _with_simpler(partial(_sphere, radius, repeats), radius)
 
 
 def _sphere(radius: float, repeats: tuple[float, float], segments: int) -> Mesh:
@@ -96,20 +96,25 @@ def _sphere(radius: float, repeats: tuple[float, float], segments: int) -> Mesh:
 
 
 def _with_simpler(make: Callable[[int], Mesh], radius: float) -> Mesh:
-    """A round mesh, and the simpler ones.
+    """A round mesh that knows its simpler ones."""
+    mesh = make(SEGMENTS)
+    mesh.simplify = partial(_simpler, make, radius)
+    return mesh
+
+
+def _simpler(make: Callable[[int], Mesh], radius: float) -> Simpler:
+    """The same with fewer corners, and by how much their outlines are off.
 
     A corner of theirs is at most half a band up or down and half a corner aside, an angle whose cosine is
     ``cos(pi / corners)**2``, from any direction; so their outline is at most what is missing there to 1 inside.
     """
-    mesh = make(SEGMENTS)
-    mesh.simpler = tuple((make(corners), radius * math.sin(math.pi / corners) ** 2) for corners in COARSE)
-    return mesh
+    return tuple((make(corners), radius * math.sin(math.pi / corners) ** 2) for corners in COARSE)
 
 
 @lru_cache(_CACHED)
 def cylinder_mesh(radius: float = 1.0, length: float = 1.0, texture_scale: TextureScale = None) -> Mesh:
     """A cylinder along Z: u runs around it, v along it; on the flat ends the texture lies flat."""
-    return _with_simpler(lambda segments: _cylinder(radius, length, texture_scale, segments), radius)
+    return _with_simpler(partial(_cylinder, radius, length, texture_scale), radius)
 
 
 def _cylinder(radius: float, length: float, texture_scale: TextureScale, segments: int) -> Mesh:
@@ -145,7 +150,7 @@ def _cylinder(radius: float, length: float, texture_scale: TextureScale, segment
 @lru_cache(_CACHED)
 def capsule_mesh(radius: float, length: float, texture_scale: TextureScale = None) -> Mesh:
     """A capsule along Z; ``length`` is that of the cylindrical part alone, as in ODE, and may be 0."""
-    return _with_simpler(lambda segments: _capsule(radius, length, texture_scale, segments), radius)
+    return _with_simpler(partial(_capsule, radius, length, texture_scale), radius)
 
 
 def _capsule(radius: float, length: float, texture_scale: TextureScale, segments: int) -> Mesh:
