@@ -145,7 +145,7 @@ def played(count: int = 300) -> None:
     world = field(count)
     view = oo.View(oo.look_at((0, 6, 10), (0, 0, -8)))
     cull = oo.CullVisitor(world)
-    for quality, what in ((Quality(samples=0, shadow_size=1024), "quick"), (Quality(), "default")):
+    for quality, what in ((None, "default"), (Quality(), "full")):
         with OffscreenDrawer(PLAYED, quality) as drawer:
 
             def one() -> None:

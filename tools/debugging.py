@@ -10,7 +10,7 @@ from PIL import Image
 
 import osgode as oo
 from osgode.engine import DebugOverlay, FrameTimings, inspect
-from osgode.render import OffscreenDrawer, measure_text
+from osgode.render import OffscreenDrawer, Quality, measure_text
 
 PICTURES = Path(__file__).parents[1] / "docs" / "pictures"
 SIZE = (960, 540)
@@ -78,7 +78,7 @@ def main() -> None:
     root = oo.Group()
     world = root.attach(scene())
     overlay = root.attach(DebugOverlay(world))
-    cull, drawer, timings = oo.CullVisitor(root), OffscreenDrawer(SIZE), FrameTimings()
+    cull, drawer, timings = oo.CullVisitor(root), OffscreenDrawer(SIZE, Quality()), FrameTimings()
     chance = random.Random(4)  # noqa: S311 - the same bars every time
     for _ in range(100):  # by the processor's time: on a busy machine the clock would draw other bars
         start = time.thread_time()

@@ -51,7 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def tour(seconds: float, video: Path, *, drawn: bool) -> list[str]:
     """Play the tour, as fast as can be, and film it; returns what to tell."""
-    settings = replace(config(mode="none", size=SIZE), clock=ClockConfig(frame_limit=FPS))
+    mode = "offscreen" if drawn else "none"
+    settings = replace(config(mode=mode, size=SIZE), clock=ClockConfig(frame_limit=FPS))
     written: list[Path] = []
     spent = 0.0
     with App(Tour, settings) as app, ExitStack() as stack:
@@ -68,7 +69,10 @@ def tour(seconds: float, video: Path, *, drawn: bool) -> list[str]:
             taken = drawn and (number + 1) % round(EVERY * FPS) == 0
             if writer is None and not taken:
                 continue
-            image = app.video.picture()
+            drawer = app.video.drawer
+            if drawer is None:
+                continue
+            image = drawer.image()
             if writer is not None:
                 writer.write(image)
             if taken:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -32,7 +32,8 @@ class VideoConfig(Config):
         title: of the window.
         full_screen: whether the window begins so.
         vsync: wait for the screen before showing a picture, where the driver can.
-        quality: what a picture may cost.
+        quality: what a picture may cost; None: as suits who draws, full on a graphics card, on a software rasteriser
+            such that it can be played; what `Video.picture` makes is then always full.
     """
 
     mode: Mode = "window"
@@ -40,12 +41,14 @@ class VideoConfig(Config):
     title: str = "osgode"
     full_screen: bool = False
     vsync: bool = True
-    quality: Quality = field(default_factory=Quality)
+    quality: Quality | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.mode not in MODES:
             raise FieldError(f"VideoConfig.mode is {self.mode!r}; it must be one of {', '.join(MODES)}")
+        if not (self.quality is None or isinstance(self.quality, Quality)):
+            raise FieldError(f"VideoConfig.quality is {shown(self.quality)}; it must be a Quality, or None")
         object.__setattr__(self, "size", _checked_size(self.size))
 
 
@@ -141,6 +144,8 @@ class Video(Module):
     def picture(self, size: tuple[int, int] | None = None) -> Image:
         """A picture of the scene as it is now: (height, width, 3) bytes, first row at the top; in any mode.
 
+        In full quality, unless the settings name one.
+
         Args:
             size: width and height, pixels; those of the window if not given.
 
@@ -153,7 +158,8 @@ class Video(Module):
         if painter is None or painter.size != wanted:
             if painter is not None:
                 painter.close()
-            painter = self._painter = OffscreenDrawer(wanted, self.config.quality)
+            quality = Quality() if self.config.quality is None else self.config.quality
+            painter = self._painter = OffscreenDrawer(wanted, quality)
         painter.draw(self.scene.frame(wanted))
         return painter.image()
 

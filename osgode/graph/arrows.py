@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from osgode.graph.mesh import Mesh
-from osgode.graph.primitives import Indices, _revolve
+from osgode.graph.primitives import SEGMENTS, Indices, _revolve
 from osgode.maths import FloatArray
 
 SHAFT, HEAD, TIP = 0.03, 0.09, 0.25
@@ -47,7 +47,7 @@ def arrow_mesh(*, slides: bool = False, turns: bool = False) -> Mesh:
 def _turned(profile: Sequence[tuple[float, float, float, float]]) -> Part:
     """The surface of (radius, z, radial part of the normal, its z part) turned about Z."""
     rows = np.column_stack([profile, np.zeros(len(profile))])
-    vertices, triangles, normals, _ = _revolve(rows, (1.0, 1.0))
+    vertices, triangles, normals, _ = _revolve(rows, (1.0, 1.0), SEGMENTS)
     return vertices, triangles, normals
 
 

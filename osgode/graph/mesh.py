@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Callable
+from functools import cached_property
+from typing import Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from osgode.errors import ModelError
 from osgode.maths import Float32Array, IndexArray, Vec3
+
+Simpler: TypeAlias = "tuple[tuple[Mesh, float], ...]"
 
 
 class Mesh:
@@ -35,6 +39,10 @@ class Mesh:
     """The middle of the bounding box."""
     radius: Final[float]
     """The radius of a sphere about the middle that holds every vertex."""
+    simplify: Callable[[], Simpler] | None = None
+    """Makes `simpler`; None if there are none."""
+    solid_behind: bool = False
+    """Whether it is the surface of a half-space: then it throws no shadow from its front, where all others are."""
 
     def __init__(
         self,
@@ -83,6 +91,14 @@ class Mesh:
         if not np.isfinite(array).all():
             raise ModelError(f"Mesh {self.name!r}: {name} holds a number that is not finite")
         return array
+
+    @cached_property
+    def simpler(self) -> Simpler:
+        """Meshes with fewer triangles that may cast shadows in its stead, the simplest first; made when first asked.
+
+        Each with the most by which its outline is off, in metres.
+        """
+        return () if self.simplify is None else self.simplify()
 
     @property
     def bounds(self) -> tuple[Vec3, Vec3]:

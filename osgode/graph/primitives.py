@@ -8,19 +8,22 @@ around), or, where ``texture_scale`` gives the metres of one repeat along u and 
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from osgode.graph.mesh import Mesh
+from osgode.graph.mesh import Mesh, Simpler
 from osgode.maths import FloatArray
 
 SEGMENTS = 24
 """Corners of a full circle."""
-RINGS = 12
+RINGS = SEGMENTS // 2
 """Bands from pole to pole of a sphere."""
+COARSE = (8, 12)
+"""Corners of a full circle in the simpler meshes that cast shadows; half as many bands."""
 
 TextureScale: TypeAlias = tuple[float, float] | None
 Indices: TypeAlias = npt.NDArray[np.int64]
@@ -61,43 +64,68 @@ def box_mesh(size: tuple[float, float, float] = (1.0, 1.0, 1.0), texture_scale: 
 
 
 @lru_cache(_CACHED)
-def rectangle_mesh(width: float, height: float, texture_scale: TextureScale = None) -> Mesh:
+def rectangle_mesh(width: float, height: float, texture_scale: TextureScale = None, solid_behind: bool = False) -> Mesh:
     """A flat rectangle in the XY plane that faces +Z, u along X, v along Y.
 
-    With ``texture_scale``, (0, 0) of the texture lies on the middle.
+    With ``texture_scale``, (0, 0) of the texture lies on the middle; for ``solid_behind`` see `Mesh.solid_behind`.
     """
     corners = (_CORNERS - 0.5) * (width, height)
-    return Mesh(
+    mesh = Mesh(
         vertices=np.column_stack([corners, np.zeros(4)]),
         triangles=_QUAD,
         normals=np.tile([0.0, 0.0, 1.0], (4, 1)),
         uvs=_CORNERS if texture_scale is None else corners / texture_scale,
         name="rectangle",
     )
+    mesh.solid_behind = solid_behind
+    return mesh
 
 
 @lru_cache(_CACHED)
 def sphere_mesh(radius: float = 1.0, texture_scale: TextureScale = None) -> Mesh:
     """A sphere with its poles on the Y axis: u runs around it to the east, v from the south pole to the north."""
-    angles = np.linspace(-math.pi / 2, math.pi / 2, RINGS + 1)
-    profile = _arc(radius, angles, 0.0)
     repeats = _repeats(radius, math.pi * radius, texture_scale)
-    vertices, triangles, normals, uvs = _revolve(profile, repeats)
+    return _with_simpler(partial(_sphere, radius, repeats), radius)
+
+
+def _sphere(radius: float, repeats: tuple[float, float], segments: int) -> Mesh:
+    angles = np.linspace(-math.pi / 2, math.pi / 2, segments // 2 + 1)
+    vertices, triangles, normals, uvs = _revolve(_arc(radius, angles, 0.0), repeats, segments)
     turned = [1, 2, 0]  # Z to Y, Y to X, X to Z: a rotation, so the triangles still face outwards
     return Mesh(vertices[:, turned], triangles, normals[:, turned], uvs, name="sphere")
+
+
+def _with_simpler(make: Callable[[int], Mesh], radius: float) -> Mesh:
+    """A round mesh that knows its simpler ones."""
+    mesh = make(SEGMENTS)
+    mesh.simplify = partial(_simpler, make, radius)
+    return mesh
+
+
+def _simpler(make: Callable[[int], Mesh], radius: float) -> Simpler:
+    """The same with fewer corners, and by how much their outlines are off.
+
+    A corner of theirs is at most half a band up or down and half a corner aside, an angle whose cosine is
+    ``cos(pi / corners)**2``, from any direction; so their outline is at most what is missing there to 1 inside.
+    """
+    return tuple((make(corners), radius * math.sin(math.pi / corners) ** 2) for corners in COARSE)
 
 
 @lru_cache(_CACHED)
 def cylinder_mesh(radius: float = 1.0, length: float = 1.0, texture_scale: TextureScale = None) -> Mesh:
     """A cylinder along Z: u runs around it, v along it; on the flat ends the texture lies flat."""
+    return _with_simpler(partial(_cylinder, radius, length, texture_scale), radius)
+
+
+def _cylinder(radius: float, length: float, texture_scale: TextureScale, segments: int) -> Mesh:
     half = length / 2
     side = np.array([[radius, -half, 1.0, 0.0, 0.0], [radius, half, 1.0, 0.0, 1.0]])
-    parts = [_revolve(side, _repeats(radius, length, texture_scale))]
-    angles = np.arange(SEGMENTS) * (2 * math.pi / SEGMENTS)
+    parts = [_revolve(side, _repeats(radius, length, texture_scale), segments)]
+    angles = np.arange(segments) * (2 * math.pi / segments)
     rim = np.column_stack([np.cos(angles), np.sin(angles)])
     disc = np.vstack([[0.0, 0.0], rim]) * radius
-    following = np.roll(np.arange(SEGMENTS), -1)
-    fan = np.column_stack([np.zeros(SEGMENTS, int), 1 + np.arange(SEGMENTS), 1 + following])
+    following = np.roll(np.arange(segments), -1)
+    fan = np.column_stack([np.zeros(segments, int), 1 + np.arange(segments), 1 + following])
     for end in (1.0, -1.0):
         seen = disc * (end, 1.0)  # seen from outside, the X axis of the bottom end points left
         uvs = seen / (2 * radius) + 0.5 if texture_scale is None else seen / texture_scale
@@ -122,7 +150,11 @@ def cylinder_mesh(radius: float = 1.0, length: float = 1.0, texture_scale: Textu
 @lru_cache(_CACHED)
 def capsule_mesh(radius: float, length: float, texture_scale: TextureScale = None) -> Mesh:
     """A capsule along Z; ``length`` is that of the cylindrical part alone, as in ODE, and may be 0."""
-    angles = np.linspace(0.0, math.pi / 2, RINGS // 2 + 1)
+    return _with_simpler(partial(_capsule, radius, length, texture_scale), radius)
+
+
+def _capsule(radius: float, length: float, texture_scale: TextureScale, segments: int) -> Mesh:
+    angles = np.linspace(0.0, math.pi / 2, segments // 4 + 1)
     outline = math.pi * radius + length
     lower = _arc(radius, angles - math.pi / 2, -length / 2)
     upper = _arc(radius, angles, length / 2)
@@ -130,7 +162,7 @@ def capsule_mesh(radius: float, length: float, texture_scale: TextureScale = Non
     lower[:, 4] *= math.pi / 2 * radius / outline
     upper[:, 4] = 1.0 - (math.pi / 2 * radius / outline) * (1.0 - upper[:, 4])
     profile = np.vstack([lower, upper if length > 0 else upper[1:]])
-    vertices, triangles, normals, uvs = _revolve(profile, _repeats(radius, outline, texture_scale))
+    vertices, triangles, normals, uvs = _revolve(profile, _repeats(radius, outline, texture_scale), segments)
     return Mesh(vertices, triangles, normals, uvs, name="capsule")
 
 
@@ -149,16 +181,19 @@ def _repeats(radius: float, outline: float, texture_scale: TextureScale) -> tupl
     return max(1.0, round(2 * math.pi * radius / texture_scale[0])), outline / texture_scale[1]
 
 
-def _revolve(profile: FloatArray, repeats: tuple[float, float]) -> tuple[FloatArray, Indices, FloatArray, FloatArray]:
+def _revolve(
+    profile: FloatArray, repeats: tuple[float, float], segments: int
+) -> tuple[FloatArray, Indices, FloatArray, FloatArray]:
     """The surface swept by a profile turned about Z: vertices, triangles, normals, texture coordinates.
 
     Args:
         profile: rows (radius, z, radial part of the normal, z part of it, v) from the lowest upwards; where the
             radius is 0 the surface closes.
         repeats: factors of u and v.
+        segments: corners of a full circle.
     """
-    columns = SEGMENTS + 1  # the last lies on the first, with u = 1 instead of 0
-    turn = np.arange(columns) * (2 * math.pi / SEGMENTS)
+    columns = segments + 1  # the last lies on the first, with u = 1 instead of 0
+    turn = np.arange(columns) * (2 * math.pi / segments)
     turn[-1] = 0.0
     c, s = np.cos(turn), np.sin(turn)
     radius, z, radial, axial, v = (profile[:, k, None] for k in range(5))
@@ -167,9 +202,9 @@ def _revolve(profile: FloatArray, repeats: tuple[float, float]) -> tuple[FloatAr
     normals = np.stack([radial * c, radial * s, axial + flat], axis=-1).reshape(-1, 3)
     # At a pole each triangle has a vertex of its own, in the middle of its side of the texture.
     middle = np.where(radius == 0, 0.5, 0.0)
-    u = (np.arange(columns) + middle) / SEGMENTS
+    u = (np.arange(columns) + middle) / segments
     uvs = np.stack([u * repeats[0], (v + flat) * repeats[1]], axis=-1).reshape(-1, 2)
-    i, j = np.meshgrid(np.arange(len(profile) - 1), np.arange(SEGMENTS), indexing="ij")
+    i, j = np.meshgrid(np.arange(len(profile) - 1), np.arange(segments), indexing="ij")
     a = (i * columns + j).ravel()
     b, d = a + 1, a + columns
     lower, upper = np.column_stack([a, b, d + 1]), np.column_stack([a, d + 1, d])

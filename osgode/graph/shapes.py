@@ -120,6 +120,7 @@ def plane_drawable(
     appearance: Appearance = DEFAULT_APPEARANCE,
     *,
     extent: float = PLANE_EXTENT,
+    solid_behind: bool = False,
 ) -> Drawable:
     """The points ``p`` with ``p . normal = distance``, as a square seen from the side that the normal points to.
 
@@ -131,6 +132,7 @@ def plane_drawable(
         distance: metres from the origin along a normal of length 1.
         appearance: how it looks.
         extent: edge of the square, metres.
+        solid_behind: whether all behind it is solid, as of a `Plane`; then it throws no shadow from its front.
 
     Raises:
         FieldError: if the normal is 0, the extent is not above 0, or a number is not finite.
@@ -141,7 +143,7 @@ def plane_drawable(
         raise FieldError(f"plane is {tuple(direction)}, {distance!r}; it must be finite, and the normal not 0")
     (edge,) = _sizes("plane extent", extent)
     unit = direction / length
-    mesh = rectangle_mesh(edge, edge, appearance.texture_scale or (1.0, 1.0))
+    mesh = rectangle_mesh(edge, edge, appearance.texture_scale or (1.0, 1.0), solid_behind)
     return Drawable(mesh, appearance, Pose(unit * (distance / length), Quat.between((0, 0, 1), unit)).matrix())
 
 

@@ -72,7 +72,7 @@ class Plane(Geom):
         raise FieldError("a plane has no volume")
 
     def _shape_drawables(self) -> tuple[Drawable, ...]:
-        return (plane_drawable(self.normal, self.offset, self._look()),)
+        return (plane_drawable(self.normal, self.offset, self._look(), solid_behind=True),)
 
     def _place(self) -> None:
         """Nothing: it stands in world axes."""

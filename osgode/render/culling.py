@@ -73,6 +73,21 @@ def plain(bins: Sequence[Bin], eye: Sequence[float], near: float) -> list[bool]:
     return [number not in odd for number in range(len(bins))]
 
 
+def near_to_far(bins: Sequence[Bin], eye: Sequence[float]) -> list[int]:
+    """The numbers of the bins in the order in which they hide each other best: by how far each reaches from the eye.
+
+    So the ground and the walls come last, of which then only what is seen has to be shaded.
+    """
+    if not bins:
+        return []
+    around = spheres(bins)
+    offsets = around[:, :3] - eye
+    reach = np.sqrt(np.einsum("ni,ni->n", offsets, offsets)) + around[:, 3]
+    starts = np.cumsum([0, *(len(one.matrices) for one in bins[:-1])])
+    order: list[int] = np.argsort(np.maximum.reduceat(reach, starts), kind="stable").tolist()
+    return order
+
+
 def _in_box(mesh: Mesh, matrix: Float32Array, point: Sequence[float], margin: float) -> bool:
     """Whether ``point`` is inside the transformed bounding box of ``mesh``, or less than ``margin`` from it."""
     try:

@@ -10,9 +10,10 @@ import numpy as np
 from osgode.errors import FieldError, OsgodeError, StateError
 from osgode.graph.appearance import Image
 from osgode.graph.frame import Frame
+from osgode.render.canvas import Canvas, samples_of
 from osgode.render.current import kept_current
 from osgode.render.extras import require
-from osgode.render.renderer import DEFAULT_QUALITY, Counts, GLRenderer, Quality
+from osgode.render.renderer import Counts, GLRenderer, Quality
 
 if TYPE_CHECKING:
     import moderngl
@@ -28,14 +29,15 @@ class OffscreenDrawer:
 
     Args:
         size: width and height of the pictures, pixels.
-        quality: what a picture may cost.
+        quality: what a picture may cost; None: as suits who draws, full on a graphics card (``Quality()``), on a
+            software rasteriser such that it can be played.
 
     Raises:
         MissingExtraError: if moderngl is not installed.
         OsgodeError: if there is no OpenGL to draw with.
     """
 
-    def __init__(self, size: tuple[int, int], quality: Quality = DEFAULT_QUALITY) -> None:
+    def __init__(self, size: tuple[int, int], quality: Quality | None = None) -> None:
         width, height = size
         if width < 1 or height < 1:
             raise FieldError(f"OffscreenDrawer.size is {size!r}; it must be at least (1, 1)")
@@ -47,20 +49,17 @@ class OffscreenDrawer:
             self._release = finalize(self, self._context.release)
             with self._context as context:
                 self._renderer = GLRenderer(context, quality)
-                self._target = self._picture = self._framebuffer(0)
-                samples = min(quality.samples, context.max_samples)
-                if samples > 1:  # drawn with several samples a pixel, then averaged into the picture
-                    self._target = self._framebuffer(samples)
-
-    def _framebuffer(self, samples: int) -> moderngl.Framebuffer:
-        context = self._context
-        colours = context.renderbuffer(self.size, 4, samples=samples)
-        return context.framebuffer([colours], context.depth_renderbuffer(self.size, samples=samples))
+                self._canvas = Canvas(context, self.size, samples_of(context, self._renderer.quality.samples))
 
     @property
     def renderer(self) -> str:
         """Who draws, in the driver's own words: a graphics card or a software rasteriser such as llvmpipe."""
         return str(self._context.info["GL_RENDERER"])
+
+    @property
+    def quality(self) -> Quality:
+        """What a picture may cost: as it was given, or chosen."""
+        return self._renderer.quality
 
     @property
     def counts(self) -> Counts:
@@ -75,16 +74,15 @@ class OffscreenDrawer:
         """
         if not self._release.alive:
             raise StateError("the OffscreenDrawer is closed")
-        with kept_current(), self._context as context:
-            self._renderer.draw(frame, self._target, self.size)
-            if self._target is not self._picture:
-                context.copy_framebuffer(self._picture, self._target)
+        with kept_current(), self._context:
+            self._renderer.draw(frame, self._canvas.target, self.size)
+            self._canvas.finish()
 
     def image(self) -> Image:
         """The picture drawn last: (height, width, 3) bytes, first row at the top."""
         width, height = self.size
         with kept_current(), self._context:
-            data = self._picture.read(components=3, alignment=1)
+            data = self._canvas.picture.read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1].copy()
 
     def close(self) -> None:

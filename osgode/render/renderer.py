@@ -14,10 +14,10 @@ from osgode.graph.appearance import Appearance
 from osgode.graph.frame import MAX_LIGHTS, Bin, Frame, Light
 from osgode.maths import FloatArray
 from osgode.render import shaders
-from osgode.render.culling import plain
+from osgode.render.culling import near_to_far, plain
 from osgode.render.lines import LineDrawer
 from osgode.render.overlay import Overlay
-from osgode.render.resources import SHADOW_UNIT, TEXTURE_UNIT, FrameBlock, InstanceBuffer, Resources
+from osgode.render.resources import SHADOW_UNIT, TEXTURE_UNIT, FrameBlock, InstanceBuffer, Resources, is_software
 from osgode.render.shadows import Cascade, ShadowMap, light_axes, select
 from osgode.render.sprites import SpriteDrawer
 
@@ -41,8 +41,8 @@ class Quality:
         anisotropy: samples along the slope of a texture seen at a shallow angle. Not used on a software rasteriser,
             where it would cost seconds.
 
-    On a software rasteriser four samples and maps of 2048 texels cost half as much again as none and 1024, which
-    look well enough there.
+    On a software rasteriser four samples and maps of 2048 texels cost twice as much as none and 1024, which are chosen
+    there if nobody says otherwise.
     """
 
     samples: int = 4
@@ -56,7 +56,15 @@ class Quality:
             raise FieldError(f"{self}: samples, shadow_size and shadow_distances must be positive, the latter growing")
 
 
-DEFAULT_QUALITY = Quality()
+FULL, QUICK = Quality(), Quality(samples=0, shadow_size=1024)
+"""What is chosen on a graphics card and on a software rasteriser."""
+
+
+def quality_of(context: moderngl.Context, wanted: Quality | None) -> Quality:
+    """``wanted``, or if that is None what suits who draws."""
+    if wanted is not None:
+        return wanted
+    return QUICK if is_software(context) else FULL
 
 
 @dataclass(frozen=True)
@@ -83,9 +91,11 @@ class GLRenderer:
 
     Args:
         context: an OpenGL context of version 3.3 or later, which is current, and which this takes over.
+        quality: what a picture may cost; None: as suits who draws.
     """
 
-    def __init__(self, context: moderngl.Context, quality: Quality) -> None:
+    def __init__(self, context: moderngl.Context, quality: Quality | None) -> None:
+        self.quality = quality = quality_of(context, quality)
         # Dropped objects are put aside and released at the next frame, see Resources.
         context.gc_mode = "context_gc"
         self._context = context
@@ -112,7 +122,7 @@ class GLRenderer:
         aspect = size[0] / size[1]
         axes = light_axes(frame.sun.direction)
         cascades = self._shadow_map.fit(frame.view, aspect, axes)
-        selected = select(frame.casters if frame.sun.shadows else [], axes, cascades)
+        selected = select(frame.casters if frame.sun.shadows else [], axes, cascades, self._shadow_map.size)
         self._write_frame(frame, aspect, axes, cascades)
 
         bins = [*frame.opaque, *frame.transparent, *frame.front]
@@ -184,7 +194,8 @@ class GLRenderer:
     def _draw_opaque(self, frame: Frame, firsts: list[int], shadowed: bool) -> int:
         view = frame.view
         outside = plain(frame.opaque, view.pose.position, view.near)
-        for one, first, seen_from_outside in zip(frame.opaque, firsts, outside, strict=False):
+        for number in near_to_far(frame.opaque, view.pose.position):
+            one, first, seen_from_outside = frame.opaque[number], firsts[number], outside[number]
             program = self._set_appearance(one.appearance, shadowed, cutout=True)
             mesh = self._resources.mesh(one.mesh)
             # A texture may have holes, through which the back is seen.

@@ -28,6 +28,11 @@ SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 """Renderers that run on the processor, as they name themselves."""
 
 
+def is_software(context: moderngl.Context) -> bool:
+    """Whether a context draws on the processor."""
+    return any(name in context.info["GL_RENDERER"] for name in SOFTWARE)
+
+
 class InstanceBuffer:
     """The matrices of every instance of a frame, one after another, written at once.
 
@@ -124,8 +129,7 @@ class Resources:
 
     def __init__(self, context: moderngl.Context, anisotropy: float) -> None:
         self._context = context
-        software = any(name in context.info["GL_RENDERER"] for name in SOFTWARE)
-        self._anisotropy = 1.0 if software else min(anisotropy, context.max_anisotropy)
+        self._anisotropy = 1.0 if is_software(context) else min(anisotropy, context.max_anisotropy)
         self._meshes: WeakKeyDictionary[Mesh, GpuMesh] = WeakKeyDictionary()
         self._textures: WeakKeyDictionary[Texture, moderngl.Texture] = WeakKeyDictionary()
         self._surfaces: dict[tuple[str, ...], moderngl.Program] = {}

@@ -71,11 +71,12 @@ def fit(view: View, aspect: float, axes: FloatArray, distance: float, texels: in
 
 
 def select(
-    casters: Sequence[Bin], axes: FloatArray, cascades: Sequence[Cascade]
+    casters: Sequence[Bin], axes: FloatArray, cascades: Sequence[Cascade], texels: int
 ) -> list[tuple[Float32Array, list[Run]]]:
     """For each cascade the matrices of the instances that may throw a shadow into it, and how to draw them.
 
-    Instances of the same mesh are drawn together, whatever they look like.
+    Instances of the same mesh are drawn together, whatever they look like, and by a simpler mesh if that can't be told
+    in a map with ``texels`` along its edge.
     """
     groups: dict[Mesh, list[Bin]] = {}
     for caster in casters:
@@ -89,6 +90,10 @@ def select(
     borders = np.cumsum([0, *counts])
     places, radii = around[:, :3] @ axes.T, around[:, 3]
     turned = [any(map(mirrored, same)) for same in groups.values()]
+    scales = [
+        max(float(radii[first:end].max()) / mesh.radius, 1e-30) if mesh.simpler else 1.0
+        for mesh, (first, end) in zip(groups, pairwise(borders.tolist()), strict=True)
+    ]
 
     result = []
     for cascade in cascades:
@@ -98,13 +103,19 @@ def select(
         inside = (np.abs(away[:, 0]) <= reach) & (np.abs(away[:, 1]) <= reach) & (away[:, 2] >= -reach)
         chosen = np.flatnonzero(inside)
         ends = np.searchsorted(chosen, borders).tolist()
+        texel = 2.0 * cascade.radius / texels
         runs = [
-            Run(mesh, first, end - first, odd)
-            for mesh, (first, end), odd in zip(groups, pairwise(ends), turned, strict=True)
+            Run(_simplest(mesh, texel / scale), first, end - first, odd)
+            for mesh, (first, end), odd, scale in zip(groups, pairwise(ends), turned, scales, strict=True)
             if first < end
         ]
         result.append((matrices.take(chosen, axis=0), runs))
     return result
+
+
+def _simplest(mesh: Mesh, allowed: float) -> Mesh:
+    """The mesh with the fewest triangles whose outline is off by ``allowed`` metres at most."""
+    return next((simpler for simpler, off in mesh.simpler if off <= allowed), mesh)
 
 
 class ShadowMap:
@@ -151,6 +162,8 @@ class ShadowMap:
             for run in wanted:
                 mesh = self._resources.mesh(run.mesh)
                 faces = "front" if mesh.solid and not run.mirrored else "both"
+                if run.mesh.solid_behind and not run.mirrored:
+                    faces = "back"  # nothing to do where the sun is before it, though it fills the whole map
                 mesh.draw(self._program, instances, start + run.first, run.instances, faces)
             draws += len(wanted)
         context.disable_direct(DEPTH_CLAMP)

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Self
 
 from osgode.errors import OsgodeError, StateError
 from osgode.graph.frame import Frame
+from osgode.render.canvas import Canvas, samples_of
 from osgode.render.current import EGL_DRIVERS
 from osgode.render.extras import require
-from osgode.render.renderer import DEFAULT_QUALITY, Counts, GLRenderer, Quality
+from osgode.render.renderer import Counts, GLRenderer, Quality
 
 if TYPE_CHECKING:
     import moderngl
@@ -29,7 +30,8 @@ class Window:
     Args:
         size: width and height, pixels; the user may change it, see `size`.
         title: what its bar says.
-        quality: what a picture may cost.
+        quality: what a picture may cost; None: as suits who draws, full on a graphics card (``Quality()``), on a
+            software rasteriser such that it can be played.
         vsync: wait for the screen before showing a picture, where the driver can.
 
     Raises:
@@ -41,14 +43,14 @@ class Window:
         self,
         size: tuple[int, int] = (1024, 640),
         title: str = "osgode",
-        quality: Quality = DEFAULT_QUALITY,
+        quality: Quality | None = None,
         vsync: bool = True,
     ) -> None:
         gl = require("moderngl")
         self._pygame = require("pygame")
         self.closed = False
         try:
-            self._make(size, title, quality.samples, vsync)
+            self._make(size, title, vsync)
             self._context: moderngl.Context = gl.create_context(require=330)
         except Exception as error:  # moderngl raises no better one
             self._pygame.display.quit()
@@ -59,8 +61,10 @@ class Window:
             self._current = nullcontext()  # current since it was made: OffscreenDrawer puts it back
         with self._current:
             self._renderer = GLRenderer(self._context, quality)
+            self._samples = samples_of(self._context, self._renderer.quality.samples)
+        self._canvas: Canvas | None = None
 
-    def _make(self, size: tuple[int, int], title: str, samples: int, vsync: bool) -> None:
+    def _make(self, size: tuple[int, int], title: str, vsync: bool) -> None:
         """Open the window, or raise what pygame raises."""
         pg = self._pygame
         pg.display.init()
@@ -72,18 +76,18 @@ class Window:
             (pg.GL_CONTEXT_PROFILE_MASK, pg.GL_CONTEXT_PROFILE_CORE),
             (pg.GL_CONTEXT_FLAGS, pg.GL_CONTEXT_FORWARD_COMPATIBLE_FLAG),
             (pg.GL_DEPTH_SIZE, 24),
+            # Who draws, and so how many samples are right, is only known when the window is there: see `_canvas`.
+            (pg.GL_MULTISAMPLEBUFFERS, 0),
+            (pg.GL_MULTISAMPLESAMPLES, 0),
         ):
             pg.display.gl_set_attribute(name, value)
-        # What the driver may refuse is asked for first, and given up step by step.
-        attempts = list(dict.fromkeys([(samples, vsync), (samples, False), (0, vsync), (0, False)]))
-        for wanted, wait in attempts:
-            pg.display.gl_set_attribute(pg.GL_MULTISAMPLEBUFFERS, int(wanted > 1))
-            pg.display.gl_set_attribute(pg.GL_MULTISAMPLESAMPLES, wanted if wanted > 1 else 0)
+        # What the driver may refuse is asked for first, and given up.
+        for wait in (True, False) if vsync else (False,):
             pg.display.set_caption(title)  # forgotten when an attempt fails
             try:
                 pg.display.set_mode(size, pg.OPENGL | pg.DOUBLEBUF | pg.RESIZABLE, vsync=int(wait))
             except pg.error:
-                if (wanted, wait) == attempts[-1]:
+                if not wait:
                     raise
             else:
                 return
@@ -120,6 +124,11 @@ class Window:
         return str(self._context.info["GL_RENDERER"])
 
     @property
+    def quality(self) -> Quality:
+        """What a picture may cost: as it was given, or chosen."""
+        return self._renderer.quality
+
+    @property
     def counts(self) -> Counts:
         """What the last picture took."""
         return self._renderer.counts
@@ -144,8 +153,16 @@ class Window:
             raise StateError("the Window is closed")
         if self.minimised:  # some systems let a program wait until its window is seen again
             return
+        size = self.size
         with self._current:
-            self._renderer.draw(frame, self._context.screen, self.size)
+            if self._samples:
+                if self._canvas is None or self._canvas.size != size:
+                    self._canvas = Canvas(self._context, size, self._samples)
+                self._renderer.draw(frame, self._canvas.target, size)
+                self._canvas.finish()
+                self._context.copy_framebuffer(self._context.screen, self._canvas.picture)
+            else:
+                self._renderer.draw(frame, self._context.screen, size)
             self._pygame.display.flip()
 
     def close(self) -> None:

@@ -26,10 +26,10 @@ class Player:
         others: settings of the game.
     """
 
-    def __init__(self, desktop, kind="plays", *, size=SIZE, capture=False, full_screen=False, env=None):
+    def __init__(self, desktop, kind="plays", *, size=SIZE, capture=False, full_screen=False, samples=None, env=None):
         self.desktop = desktop
         self.seen = []
-        settings = {"kind": kind, "size": size, "capture": capture, "full_screen": full_screen}
+        settings = {"kind": kind, "size": size, "capture": capture, "full_screen": full_screen, "samples": samples}
         self._command = [sys.executable, "-W", "error", "-m", "tests.engine.window_game", json.dumps(settings)]
         self._environment = desktop.environment | (env or {})
         self._said = queue.SimpleQueue()

@@ -297,6 +297,7 @@ class Nameless(Module):
         (lambda: VideoConfig(mode="screen"), "VideoConfig.mode.*window, offscreen, none"),
         (lambda: VideoConfig(size=(0, 10)), "VideoConfig.size"),
         (lambda: VideoConfig(size=100), "VideoConfig.size"),
+        (lambda: VideoConfig(quality="full"), "VideoConfig.quality is 'full'.*Quality"),
     ],
 )
 def test_bad_arguments_of_apps(make, words):

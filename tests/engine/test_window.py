@@ -246,7 +246,7 @@ def matches(game, tmp_path, size):
     """Whether the window shows what is drawn without one."""
     image = pytest.importorskip("PIL.Image")
     path = tmp_path / "expected.png"
-    game.do(f"video.save_picture({str(path)!r}, {tuple(size)!r})")
+    game.do(f"scene.draw({str(path)!r}, {tuple(size)!r})")
     with image.open(path) as file:
         expected = np.asarray(file.convert("RGB"))
     until(lambda: close_enough(game.picture(), expected), "the window shows the picture")
@@ -277,6 +277,37 @@ def test_window_is_resized(desktop, game, tmp_path, size):
     edge = size[1] * MARK / 720
     assert mark(game.picture()) == pytest.approx((edge, edge), abs=1.01)
     assert game.ask("video.size") == [*size]
+
+
+def test_smoothed_window(desktop, tmp_path):
+    """With several samples a pixel, which the window itself hasn't got: in each size that it takes."""
+    with Player(desktop, samples=4) as game:
+        number = game.ready()
+        assert game.ask("window.quality.samples") == 4
+        rough = matches(game, tmp_path, SIZE)
+        for size in ((800, 300), (300, 500)):
+            desktop.xdotool("windowsize", number, *size)
+            game.until(f"window.size == {size}")
+            matches(game, tmp_path, size)
+        desktop.xdotool("key", "F11")
+        game.until(f"video.full_screen and window.size == {SCREEN}")
+        until(lambda: game.origin == (0, 0), "it begins where the screen does")
+        matches(game, tmp_path, SCREEN)
+        desktop.xdotool("key", "F11")
+        game.until("not video.full_screen and window.size == (300, 500)")
+        desktop.xdotool("windowminimize", number)
+        game.until("window.minimised")
+        desktop.xdotool("windowactivate", number)
+        game.until("not window.minimised and events.focused")
+        desktop.xdotool("windowsize", number, *SIZE)
+        game.until(f"window.size == {SIZE}")
+        assert np.array_equal(matches(game, tmp_path, SIZE), rough)
+
+
+def test_quality_is_chosen_by_who_draws(game):
+    """A software rasteriser smooths nothing, so that it can be played; a graphics card does."""
+    software = game.ask("any(name in window.renderer for name in ('llvmpipe', 'softpipe', 'SwiftShader'))")
+    assert game.ask("[window.quality.samples, window.quality.shadow_size]") == ([0, 1024] if software else [4, 2048])
 
 
 def test_full_screen_and_back(desktop, game, tmp_path):

@@ -12,6 +12,7 @@ import pygame
 import osgode as oo
 from osgode.engine import App, AppConfig, ClockConfig, EventsConfig, HudBox, HudText, Scene, Video, VideoConfig
 from osgode.graph.appearance import Appearance
+from osgode.render import OffscreenDrawer, Quality, save_png
 from tests.engine.player import MARK, TITLE
 
 
@@ -70,6 +71,12 @@ class Game(Scene):
             else:
                 self.answer(json.loads(line))
 
+    def draw(self, path, size):
+        """What the window should show, drawn without one."""
+        with OffscreenDrawer(size, self.app.video.window.quality) as drawer:
+            drawer.draw(self.frame(size))
+            save_png(drawer.image(), path)
+
     def answer(self, words):
         names = self.names
         names |= {"app": self.app, "scene": self, "clock": self.clock, "events": self.events, "video": self.app.video}
@@ -103,9 +110,10 @@ def play(scene, config, *modules):
     App(scene, config, modules=modules).run()
 
 
-def main(kind, size, capture, full_screen):
+def main(kind, size, capture, full_screen, samples):
     told = Told()
-    video = VideoConfig(size=size, title=TITLE, full_screen=full_screen)
+    quality = None if samples is None else Quality(samples=samples, shadow_size=1024)
+    video = VideoConfig(size=size, title=TITLE, full_screen=full_screen, quality=quality)
     clock = ClockConfig(frame_limit=60, paused=True)
     config = AppConfig(clock=clock, events=EventsConfig(capture=capture), video=video)
     try:

@@ -209,3 +209,23 @@ def test_equal_arguments_share_one_mesh() -> None:
     assert capsule_mesh(1, 2) is capsule_mesh(1.0, 2.0)
     assert capsule_mesh(1, 2) is not capsule_mesh(1, 2.5)
     assert sphere_mesh() is sphere_mesh()
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [sphere_mesh(), sphere_mesh(0.3), cylinder_mesh(0.5, 2.0), capsule_mesh(0.3, 0.8), capsule_mesh(0.4, 0.0)],
+    ids=lambda mesh: f"{mesh.name}-{mesh.radius:.1f}",
+)
+def test_simpler_meshes(mesh: Mesh) -> None:
+    """Fewer triangles within the same solid; seen from nowhere is their outline off by more than they say."""
+    directions = np.random.default_rng(4).normal(size=(2000, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    outline = (directions @ mesh.vertices.T.astype(float)).max(axis=1)
+    assert len(mesh.simpler) == 2
+    before = 0
+    for simpler, off in mesh.simpler:
+        missing = outline - (directions @ simpler.vertices.T.astype(float)).max(axis=1)
+        assert 0.1 * off < missing.max() <= off
+        assert before < len(simpler.triangles) < len(mesh.triangles) / 1.5
+        assert volume(simpler) > 0
+        before = len(simpler.triangles)

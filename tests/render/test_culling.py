@@ -7,7 +7,7 @@ from osgode.graph.appearance import DEFAULT_APPEARANCE
 from osgode.graph.mesh import Mesh
 from osgode.graph.primitives import box_mesh, capsule_mesh, cylinder_mesh, sphere_mesh
 from osgode.maths import Quat
-from osgode.render.culling import encloses, mirrored, plain
+from osgode.render.culling import encloses, mirrored, near_to_far, plain
 from tests.render.scenes import many, place, quad
 
 BOX = box_mesh()
@@ -71,3 +71,14 @@ def test_plain_draws(matrix, expected):
 def test_plain_of_nothing():
     """No bins are no answers."""
     assert plain([], (0, 0, 0), 0.1) == []
+
+
+def test_what_reaches_far_comes_last():
+    """What is near hides what is behind it before that is shaded; the ground, which is everywhere, comes last."""
+    ground = many(BOX, DEFAULT_APPEARANCE, place((0, -2, 0), scale=(100, 1, 100)))
+    near = many(BOX, DEFAULT_APPEARANCE, place((0, 0, -3)), place((1, 0, -4)))
+    far = many(BOX, DEFAULT_APPEARANCE, place((0, 0, -2)), place((0, 0, -30)))
+    assert near_to_far([ground, far, near], (0, 0, 0)) == [2, 1, 0]
+    assert near_to_far([near, far, ground], (0, 0, -28)) == [0, 1, 2]
+    assert near_to_far([near, near], (0, 0, 0)) == [0, 1]
+    assert near_to_far([], (0, 0, 0)) == []

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from osgode.errors import FieldError, MissingExtraError, OsgodeError, StateError
 from osgode.graph.frame import Frame, View
 from osgode.maths import Quat
 from osgode.render import OffscreenDrawer, Quality, Window, measure_text
+from osgode.render.canvas import samples_of
+from osgode.render.renderer import FULL, QUICK, quality_of
 from tests.render.scenes import CLEAR, RED, many, place, quad, unlit
 
 ROOT = Path(__file__).parents[2]
@@ -43,6 +46,39 @@ def test_more_samples_than_the_driver_has(drawer):
     with OffscreenDrawer((32, 20), Quality(samples=64, shadow_size=64)) as other:
         other.draw(frame((32, 20)))
         assert other.image()[10, 16].tolist() == [255, 0, 0]
+
+
+@pytest.mark.parametrize(("wanted", "given"), [(0, 0), (1, 0), (2, 2), (3, 2), (4, 4), (6, 4), (64, 4)])
+def test_samples_are_a_power_of_two(wanted, given):
+    """Drivers have no others."""
+    assert samples_of(SimpleNamespace(max_samples=4), wanted) == given
+    assert samples_of(SimpleNamespace(max_samples=0), wanted) == 0
+
+
+@pytest.mark.parametrize(
+    ("renderer", "chosen"),
+    [
+        ("llvmpipe (LLVM 15.0.6, 256 bits)", (0, 1024)),
+        ("softpipe", (0, 1024)),
+        ("NVIDIA GeForce RTX 3060/PCIe/SSE2", (4, 2048)),
+        ("Mesa Intel(R) UHD Graphics 620", (4, 2048)),
+    ],
+)
+def test_quality_by_who_draws(renderer, chosen):
+    """Full on a graphics card, cheap on the processor; what is asked for is kept on both."""
+    context = SimpleNamespace(info={"GL_RENDERER": renderer})
+    found = quality_of(context, None)
+    assert (found.samples, found.shadow_size) == chosen
+    assert quality_of(context, SMALL) is SMALL
+
+
+def test_drawer_tells_its_quality(drawer):
+    """That which it was given, or has chosen."""
+    with OffscreenDrawer((8, 8), SMALL) as other:
+        assert other.quality is SMALL
+    with OffscreenDrawer((8, 8)) as other:
+        assert other.quality in (FULL, QUICK)
+        other.draw(frame((8, 8)))
 
 
 def test_samples_smooth_edges(drawer):
@@ -110,7 +146,7 @@ WINDOW = """
 import numpy as np, pygame
 from osgode.errors import StateError
 from osgode.maths import Quat
-from osgode.render import OffscreenDrawer, Window
+from osgode.render import OffscreenDrawer, Quality, Window
 from tests.render.test_drawers import SMALL, frame
 
 def red(image): return image.reshape(40, 64, 3)[20, 32].tolist() == [255, 0, 0]
@@ -154,6 +190,14 @@ else:
 
 with Window((32, 20), quality=SMALL, vsync=False) as window:
     window.draw(frame(window.size))
+
+# With several samples a pixel, which the window itself hasn't got.
+with Window((64, 40), quality=Quality(samples=4, shadow_size=64), vsync=False) as window:
+    assert window.quality.samples == 4
+    for _ in range(2):  # what is read afterwards may be either of two buffers
+        window.draw(frame(window.size))
+    assert window._context.error == "GL_NO_ERROR"
+    assert shown()
 """
 
 

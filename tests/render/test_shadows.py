@@ -7,7 +7,8 @@ import pytest
 
 from osgode.graph.appearance import Appearance
 from osgode.graph.frame import Bin, Frame, Sun, View
-from osgode.graph.primitives import box_mesh, sphere_mesh
+from osgode.graph.mesh import Mesh
+from osgode.graph.primitives import box_mesh, rectangle_mesh, sphere_mesh
 from osgode.maths import Pose, Quat, Vec3, look_at
 from osgode.render.shadows import Cascade, fit, light_axes, select
 from tests.render.scenes import CLEAR, SIZE, many, place, quad
@@ -174,9 +175,9 @@ def test_select_keeps_what_can_reach_the_cube():
     axes, cube = light_axes(NOON), Cascade((0.0, 0.0, 0.0), 10.0)
     places = {"inside": (0, 0, 0), "sunwards": (0, 500, 0), "beside": (30, 0, 0), "behind": (0, -30, 0)}
     for name, position in places.items():
-        ((matrices, runs),) = select([many(box_mesh(), WHITE, place(position))], axes, [cube])
+        ((matrices, runs),) = select([many(box_mesh(), WHITE, place(position))], axes, [cube], 512)
         assert len(matrices) == sum(run.instances for run in runs) == (name in ("inside", "sunwards")), name
-    ((matrices, _),) = select([many(box_mesh(), WHITE, place((30, 0, 0), scale=(50, 1, 1)))], axes, [cube])
+    ((matrices, _),) = select([many(box_mesh(), WHITE, place((30, 0, 0), scale=(50, 1, 1)))], axes, [cube], 512)
     assert len(matrices) == 1  # large enough to reach in from beside
 
 
@@ -188,7 +189,7 @@ def test_select_joins_bins_of_one_mesh():
         many(ball, WHITE, place((2, 0, 0))),
         many(box, Appearance((1, 0, 0)), place((3, 0, 0))),
     ]
-    ((matrices, runs),) = select(bins, light_axes(NOON), [Cascade((0.0, 0.0, 0.0), 10.0)])
+    ((matrices, runs),) = select(bins, light_axes(NOON), [Cascade((0.0, 0.0, 0.0), 10.0)], 2048)
     assert [(run.mesh, run.first, run.instances) for run in runs] == [(box, 0, 2), (ball, 2, 1)]
     assert matrices[:, 0, 3].tolist() == [1, 3, 2]
 
@@ -198,4 +199,56 @@ def test_select_of_nothing():
     axes, cubes = light_axes(NOON), [Cascade((0.0, 0.0, 0.0), 10.0)] * 2
     empty = Bin(box_mesh(), WHITE, np.zeros((0, 4, 4), np.float32))
     for casters in ([], [empty]):
-        assert [(len(matrices), runs) for matrices, runs in select(casters, axes, cubes)] == [(0, []), (0, [])]
+        assert [(len(matrices), runs) for matrices, runs in select(casters, axes, cubes, 512)] == [(0, []), (0, [])]
+
+
+@pytest.mark.parametrize(
+    ("texel", "scales", "corners"),
+    [
+        (0.16, (1.0,), 8),
+        (0.16, (0.1, 1.0), 8),
+        (0.16, (1.0, 1.5), 12),  # the largest decides
+        (0.14, (1.0,), 12),
+        (0.07, (1.0,), 12),
+        (0.06, (1.0,), 24),
+        (0.06, (0.2,), 8),
+    ],
+)
+def test_simpler_meshes_cast_shadows(texel, scales, corners):
+    """If what their outline lacks is no larger than a texel: of a ball of 1 m 15 cm by 8 corners, 7 cm by 12."""
+    ball, texels = sphere_mesh(), round(20.0 / texel)
+    places = [place((k, 0, 0), scale=(scale,) * 3) for k, scale in enumerate(scales)]
+    ((_, (run,)),) = select([many(ball, WHITE, *places)], light_axes(NOON), [Cascade((0.0, 0.0, 0.0), 10.0)], texels)
+    assert len(run.mesh.triangles) == corners * (corners - 2)
+    assert run.instances == len(scales)
+
+
+def test_shadow_by_a_simpler_mesh_is_the_same(drawer):
+    """In the picture nobody can tell."""
+    ball = sphere_mesh()
+    plain = Mesh(ball.vertices, ball.triangles, ball.normals)
+    pictures = []
+    for mesh in (ball, plain):
+        shown = many(mesh, WHITE, *(place((x, 0.05, -4), scale=(0.05,) * 3) for x in np.arange(-2, 2, 0.2)))
+        floor = many(box_mesh(), WHITE, place((0, -0.5, -4), scale=(20, 1, 20)))
+        view = View(look_at((0, 1.5, 0), (0, 0, -4)))
+        drawer.draw(Frame(view, (160, 100), [floor, shown], casters=[floor, shown], sun=Sun(Vec3(0.3, -1, 0.2))))
+        pictures.append(drawer.image().astype(int))
+    assert np.abs(pictures[0] - pictures[1]).max() < 24
+
+
+def test_half_space_throws_no_shadow_from_its_front(drawer):
+    """A mere sheet does, on what is below it. A sun below the ground shines on nothing above it in either case."""
+    box, cellar = many(box_mesh(), WHITE, place((0, 1, 0))), many(box_mesh(), WHITE, place((0, -2, 0)))
+    pictures = {}
+    for solid in (False, True):
+        floor = many(rectangle_mesh(100, 100, None, solid), WHITE, place(rotation=FLAT))
+        for name, seen, sun in (("day", [floor, box], SLANTED), ("night", [floor, box], -SLANTED)):
+            drawer.draw(Frame(ABOVE, SIZE, seen, [], [floor, box], sun=Sun(sun), sky=CLEAR))
+            pictures[name, solid] = drawer.image().astype(int)
+        drawer.draw(Frame(ABOVE, SIZE, [cellar], [], [floor, cellar], sun=Sun(SLANTED), sky=CLEAR))
+        pictures["cellar", solid] = drawer.image().astype(int)
+    assert np.abs(pictures["day", True] - pictures["day", False]).mean() < 0.02
+    assert np.array_equal(pictures["night", True], pictures["night", False])
+    middle = np.s_[SIZE[1] // 2, SIZE[0] // 2]
+    assert (pictures["cellar", True][middle] > pictures["cellar", False][middle] + 40).all()
