@@ -21,6 +21,7 @@ from osgode.engine import (
     Wheel,
 )
 from osgode.errors import FieldError, MissingExtraError, OsgodeError, StateError
+from osgode.render import OffscreenDrawer, Quality
 from osgode.testing import Play
 from tests.engine.games import Tumble, Yard
 
@@ -380,8 +381,8 @@ def test_a_picture_needs_what_draws(monkeypatch):
 
 def test_offscreen_frames_are_drawn():
     """In the mode "offscreen" every frame is drawn, with the same physics as without."""
-    config = AppConfig(video=VideoConfig(mode="offscreen", size=(64, 40)))
-    app = App(Red, config)
+    quality = Quality(samples=0, shadow_size=64)
+    app = App(Red, AppConfig(video=VideoConfig(mode="offscreen", size=(64, 40), quality=quality)))
     try:
         app.open()
     except OsgodeError as error:
@@ -396,3 +397,24 @@ def test_offscreen_frames_are_drawn():
         assert {"draw", "cull"} <= app.timings.keys()
         assert app.clock.elapsed == pytest.approx(3 / 60)
     assert app.video.drawer is None
+
+
+@pytest.mark.parametrize("quality", [None, Quality(samples=0, shadow_size=64)])
+def test_quality_of_pictures_for_files(monkeypatch, quality):
+    """In full quality whoever draws, unless the settings say otherwise."""
+    asked = []
+
+    class Noting(OffscreenDrawer):
+        def __init__(self, size, quality):
+            asked.append((size, quality))
+            super().__init__(size, quality)
+
+    monkeypatch.setattr("osgode.engine.video.OffscreenDrawer", Noting)
+    app = App(Red, AppConfig(video=VideoConfig(mode="none", size=(64, 40), quality=quality)))
+    try:
+        app.open()
+        with app:
+            app.video.picture()
+    except OsgodeError as error:
+        pytest.skip(str(error))
+    assert asked == [((64, 40), quality or Quality())]
