@@ -6,6 +6,11 @@
    of it needs its contacts then: so from the awake bodies the pairs of every sleeper that is reached are looked for
    too. The order of the pairs follows from where everything is now, not from how it came there. */
 
+#include <float.h>
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
 #include "broad.h"
 
 enum { HEARD = OO_LISTENED | OO_ASKED | OO_SENSOR }; /* sleeping or not, somebody wants to know what touches it */
@@ -63,6 +68,7 @@ static int make_room(oo_world *w) {
     if (reserve(&b->entries, &b->entry_capacity, w->geom_count, sizeof *b->entries)) return OO_NO_MEMORY;
     for (unsigned int i = had; i < b->entry_capacity; i++) b->entries[i] = (entry){.leaf = NONE, .state = OUT};
     if (reserve(&b->movers, &b->mover_capacity, w->geom_count, sizeof *b->movers)) return OO_NO_MEMORY;
+    if (reserve(&b->sections, &b->section_capacity, w->geom_count, sizeof *b->sections)) return OO_NO_MEMORY;
     if (reserve(&b->reached, &b->reached_capacity, w->body_count, sizeof *b->reached)) return OO_NO_MEMORY;
     if (reserve(&b->asleep, &b->asleep_capacity, w->body_count, sizeof *b->asleep)) return OO_NO_MEMORY;
     return reserve(&b->queue.at, &b->queue.capacity, w->body_count, sizeof *b->queue.at);
@@ -233,14 +239,46 @@ static void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
     if (broad_declares(w->broad, first, second)) meet_pair(w, first, second);
 }
 
+/* Below a number by less than two roundings. Of infinity it makes a NaN, which is never beyond anything. */
+static float somewhat_below(double x) {
+    float f = (float)x;
+    return f - (fabsf(f) * FLT_EPSILON + FLT_MIN);
+}
+
+static cross_section section_of(const box *b, int axis) {
+    int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    return (cross_section){{somewhat_below(b->low[u]), somewhat_below(b->low[v]), somewhat_below(-b->high[u]),
+                            somewhat_below(-b->high[v])}};
+}
+
+/* Whether one lies beside the other for sure. */
+static inline int beside(const cross_section *one, const cross_section *mirrored) {
+#ifdef __SSE__
+    return _mm_movemask_ps(_mm_cmpgt_ps(_mm_loadu_ps(one->sides), _mm_loadu_ps(mirrored->sides)));
+#else
+    const float *a = one->sides, *b = mirrored->sides;
+    return (a[0] > b[0]) | (a[1] > b[1]) | (a[2] > b[2]) | (a[3] > b[3]);
+#endif
+}
+
+/* Most of what stands near in the list stands aside, which small copies of the boxes tell first. */
 static void sweep(oo_world *w) {
     struct oo_broad *b = w->broad;
     if (!b->mover_count) return;
     sort_movers(b);
-    for (unsigned int i = 0; i < b->mover_count; i++) {
-        const box *own = &b->entries[b->movers[i].slot].box;
-        for (unsigned int k = i + 1; k < b->mover_count && b->movers[k].low <= own->high[b->axis]; k++)
-            if (overlap(own, &b->entries[b->movers[k].slot].box)) try_pair(w, b->movers[i].slot, b->movers[k].slot);
+    const mover *movers = b->movers;
+    const entry *entries = b->entries;
+    cross_section *sections = b->sections;
+    unsigned int count = b->mover_count;
+    for (unsigned int i = 0; i < count; i++) sections[i] = section_of(&entries[movers[i].slot].box, b->axis);
+    for (unsigned int i = 0; i < count; i++) {
+        const box *own = &entries[movers[i].slot].box;
+        const float *s = sections[i].sides;
+        const cross_section mirrored = {{-s[2], -s[3], -s[0], -s[1]}};
+        double high = own->high[b->axis];
+        for (unsigned int k = i + 1; k < count && movers[k].low <= high; k++)
+            if (!beside(&sections[k], &mirrored) && overlap(own, &entries[movers[k].slot].box))
+                try_pair(w, movers[i].slot, movers[k].slot);
     }
 }
 
@@ -385,7 +423,8 @@ unsigned long long oo_broad_bytes(const oo_world *w) {
     const struct oo_broad *b = w->broad;
     if (!b) return 0;
     return sizeof *b + b->entry_capacity * sizeof *b->entries + b->space_capacity * sizeof *b->spaces +
-           b->mover_capacity * sizeof *b->movers + (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity + b->asleep_capacity +
+           b->mover_capacity * sizeof *b->movers + b->section_capacity * sizeof *b->sections +
+           (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity + b->asleep_capacity +
            (b->huge.capacity + b->heard.capacity + b->hits.capacity + b->queue.capacity) * sizeof(unsigned int);
 }
 
@@ -395,6 +434,7 @@ void broad_free(oo_world *w) {
     free(b->entries);
     free(b->spaces);
     free(b->movers);
+    free(b->sections);
     free(b->tree.nodes);
     free(b->mover_tree.nodes);
     free(b->huge.at);

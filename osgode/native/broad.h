@@ -93,6 +93,9 @@ typedef struct mover {
     unsigned int slot;
 } mover;
 
+/* Across the axis of the list: both lower sides, then both upper ones with their signs turned. */
+typedef struct cross_section { float sides[4]; } cross_section;
+
 struct oo_broad {
     entry *entries; /* by slot */
     unsigned int entry_capacity;
@@ -102,6 +105,8 @@ struct oo_broad {
     mover *movers;
     unsigned int mover_count, mover_capacity, unsorted; /* the last ones are new in the list */
     int axis;
+    cross_section *sections; /* of the movers, in their order */
+    unsigned int section_capacity;
 
     box_tree tree;
     slots huge, heard, hits;
