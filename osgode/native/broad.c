@@ -6,11 +6,6 @@
    of it needs its contacts then: so from the awake bodies the pairs of every sleeper that is reached are looked for
    too. The order of the pairs follows from where everything is now, not from how it came there. */
 
-#include <float.h>
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
-
 #include "broad.h"
 
 enum { HEARD = OO_LISTENED | OO_ASKED | OO_SENSOR }; /* sleeping or not, somebody wants to know what touches it */
@@ -47,11 +42,6 @@ static int mark_spaces(oo_world *w) {
             mark_space(w, (dSpaceID)w->geoms[slot].id, slot);
     w->pairs_are_new = 0;
     return OO_OK;
-}
-
-int broad_declares(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
-    const members *m = &b->spaces[b->entries[slot1].space], *n = &b->spaces[b->entries[slot2].space];
-    return ((m->inside & n->inside) | (m->left & n->right) | (m->right & n->left)) != 0;
 }
 
 /* ------------------------------------------------------------------ what has changed since the last step */
@@ -187,99 +177,27 @@ int broad_update(oo_world *w) {
     return tree_is_worn(&b->tree) ? tree_rebuild(&b->tree, leaf_of, b) : OO_OK;
 }
 
-/* ------------------------------------------------------------------ movers against each other */
+/* ------------------------------------------------------------------ pairs that are near enough */
 
-/* The axis along which they are spread most: along another most of them would overlap. Of two that are as good, to
-   rounding, the first: in which order they stand in the list must not show. */
-static int widest_axis(const struct oo_broad *b) {
-    double widest = -1, sums[3] = {0}, squares[3] = {0};
-    int axis = 0;
-    for (unsigned int i = 0; i < b->mover_count; i++) {
-        const box *of = &b->entries[b->movers[i].slot].box;
-        for (int k = 0; k < 3; k++) {
-            double middle = of->low[k] + of->high[k];
-            sums[k] += middle;
-            squares[k] += middle * middle;
-        }
-    }
+/* Whether spheres with these boxes are apart for sure: where rounding could decide, they are left to ODE. */
+static int spheres_apart(const box *a, const box *b) {
+    double reach = a->high[0] - a->low[0] + b->high[0] - b->low[0], square = 0, sum = 0;
     for (int k = 0; k < 3; k++) {
-        double spread = squares[k] - sums[k] * sums[k] / b->mover_count;
-        if (spread > widest * (1 + 1e-9)) {
-            widest = spread;
-            axis = k;
-        }
+        double way = a->low[k] + a->high[k] - b->low[k] - b->high[k];
+        square += way * way;
+        sum += fabs(a->low[k]) + fabs(a->high[k]) + fabs(b->low[k]) + fabs(b->high[k]);
     }
-    return axis;
+    reach = reach * (1 + 1e-12) + 1e-14 * sum;
+    return square > reach * reach;
 }
 
-static int by_low(const void *a, const void *b) {
-    const mover *m = a, *n = b;
-    if (m->low != n->low) return m->low < n->low ? -1 : 1;
-    return m->slot < n->slot ? -1 : m->slot > n->slot;
-}
-
-static void sort_movers(struct oo_broad *b) {
-    int axis = widest_axis(b), nearly_sorted = axis == b->axis && b->unsorted < 16;
-    b->axis = axis;
-    for (unsigned int i = 0; i < b->mover_count; i++) b->movers[i].low = b->entries[b->movers[i].slot].box.low[axis];
-    if (!nearly_sorted) {
-        qsort(b->movers, b->mover_count, sizeof *b->movers, by_low);
-        return;
-    }
-    for (unsigned int i = 1; i < b->mover_count; i++) {
-        mover m = b->movers[i];
-        unsigned int k = i;
-        for (; k > 0 && by_low(&b->movers[k - 1], &m) > 0; k--) b->movers[k] = b->movers[k - 1];
-        b->movers[k] = m;
-    }
-}
-
-static void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
+void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
+    const struct oo_broad *b = w->broad;
     unsigned int first = slot1 < slot2 ? slot1 : slot2, second = slot1 < slot2 ? slot2 : slot1;
-    if (broad_declares(w->broad, first, second)) meet_pair(w, first, second);
-}
-
-/* Below a number by less than two roundings. Of infinity it makes a NaN, which is never beyond anything. */
-static float somewhat_below(double x) {
-    float f = (float)x;
-    return f - (fabsf(f) * FLT_EPSILON + FLT_MIN);
-}
-
-static cross_section section_of(const box *b, int axis) {
-    int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    return (cross_section){{somewhat_below(b->low[u]), somewhat_below(b->low[v]), somewhat_below(-b->high[u]),
-                            somewhat_below(-b->high[v])}};
-}
-
-/* Whether one lies beside the other for sure. */
-static inline int beside(const cross_section *one, const cross_section *mirrored) {
-#ifdef __SSE__
-    return _mm_movemask_ps(_mm_cmpgt_ps(_mm_loadu_ps(one->sides), _mm_loadu_ps(mirrored->sides)));
-#else
-    const float *a = one->sides, *b = mirrored->sides;
-    return (a[0] > b[0]) | (a[1] > b[1]) | (a[2] > b[2]) | (a[3] > b[3]);
-#endif
-}
-
-/* Most of what stands near in the list stands aside, which small copies of the boxes tell first. */
-static void sweep(oo_world *w) {
-    struct oo_broad *b = w->broad;
-    if (!b->mover_count) return;
-    sort_movers(b);
-    const mover *movers = b->movers;
-    const entry *entries = b->entries;
-    cross_section *sections = b->sections;
-    unsigned int count = b->mover_count;
-    for (unsigned int i = 0; i < count; i++) sections[i] = section_of(&entries[movers[i].slot].box, b->axis);
-    for (unsigned int i = 0; i < count; i++) {
-        const box *own = &entries[movers[i].slot].box;
-        const float *s = sections[i].sides;
-        const cross_section mirrored = {{-s[2], -s[3], -s[0], -s[1]}};
-        double high = own->high[b->axis];
-        for (unsigned int k = i + 1; k < count && movers[k].low <= high; k++)
-            if (!beside(&sections[k], &mirrored) && overlap(own, &entries[movers[k].slot].box))
-                try_pair(w, movers[i].slot, movers[k].slot);
-    }
+    if (!broad_declares(b, first, second)) return;
+    int round = (w->geoms[first].flags & w->geoms[second].flags & OO_IS_SPHERE) != 0;
+    if (round && spheres_apart(&b->entries[first].box, &b->entries[second].box)) return;
+    meet_pair(w, first, second);
 }
 
 /* ------------------------------------------------------------------ against what does not move */
@@ -392,7 +310,7 @@ static int meet_listened(oo_world *w) {
 
 int find_pairs(oo_world *w) {
     if (broad_update(w)) return OO_NO_MEMORY;
-    sweep(w);
+    meet_movers(w);
     if (meet_quiet_from_movers(w)) return OO_NO_MEMORY;
     if (w->broad->sleepers && (flood(w) || meet_listened(w))) return OO_NO_MEMORY;
     w->broad->current = 1;
