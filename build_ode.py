@@ -22,7 +22,7 @@ UNITS = (
         "joints",
         "gears",
     ),
-    *("boxtree", "broad", "broadqueries", "islands", "step", "queries", "gjk", "triangles", "sweep"),
+    *("boxtree", "broad", "movers", "broadqueries", "islands", "step", "queries", "gjk", "triangles", "sweep"),
 )
 HEADERS = ("core.h", "internal.h", "heightfield.h", "broad.h", "onmesh.h", "shapes.h", "ode.cdef")
 

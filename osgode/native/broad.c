@@ -44,11 +44,6 @@ static int mark_spaces(oo_world *w) {
     return OO_OK;
 }
 
-int broad_declares(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
-    const members *m = &b->spaces[b->entries[slot1].space], *n = &b->spaces[b->entries[slot2].space];
-    return ((m->inside & n->inside) | (m->left & n->right) | (m->right & n->left)) != 0;
-}
-
 /* ------------------------------------------------------------------ what has changed since the last step */
 
 static int make_room(oo_world *w) {
@@ -63,6 +58,7 @@ static int make_room(oo_world *w) {
     if (reserve(&b->entries, &b->entry_capacity, w->geom_count, sizeof *b->entries)) return OO_NO_MEMORY;
     for (unsigned int i = had; i < b->entry_capacity; i++) b->entries[i] = (entry){.leaf = NONE, .state = OUT};
     if (reserve(&b->movers, &b->mover_capacity, w->geom_count, sizeof *b->movers)) return OO_NO_MEMORY;
+    if (reserve(&b->sections, &b->section_capacity, w->geom_count, sizeof *b->sections)) return OO_NO_MEMORY;
     if (reserve(&b->reached, &b->reached_capacity, w->body_count, sizeof *b->reached)) return OO_NO_MEMORY;
     if (reserve(&b->asleep, &b->asleep_capacity, w->body_count, sizeof *b->asleep)) return OO_NO_MEMORY;
     return reserve(&b->queue.at, &b->queue.capacity, w->body_count, sizeof *b->queue.at);
@@ -181,67 +177,27 @@ int broad_update(oo_world *w) {
     return tree_is_worn(&b->tree) ? tree_rebuild(&b->tree, leaf_of, b) : OO_OK;
 }
 
-/* ------------------------------------------------------------------ movers against each other */
+/* ------------------------------------------------------------------ pairs that are near enough */
 
-/* The axis along which they are spread most: along another most of them would overlap. Of two that are as good, to
-   rounding, the first: in which order they stand in the list must not show. */
-static int widest_axis(const struct oo_broad *b) {
-    double widest = -1, sums[3] = {0}, squares[3] = {0};
-    int axis = 0;
-    for (unsigned int i = 0; i < b->mover_count; i++) {
-        const box *of = &b->entries[b->movers[i].slot].box;
-        for (int k = 0; k < 3; k++) {
-            double middle = of->low[k] + of->high[k];
-            sums[k] += middle;
-            squares[k] += middle * middle;
-        }
-    }
+/* Whether spheres with these boxes are apart for sure: where rounding could decide, they are left to ODE. */
+static int spheres_apart(const box *a, const box *b) {
+    double reach = a->high[0] - a->low[0] + b->high[0] - b->low[0], square = 0, sum = 0;
     for (int k = 0; k < 3; k++) {
-        double spread = squares[k] - sums[k] * sums[k] / b->mover_count;
-        if (spread > widest * (1 + 1e-9)) {
-            widest = spread;
-            axis = k;
-        }
+        double way = a->low[k] + a->high[k] - b->low[k] - b->high[k];
+        square += way * way;
+        sum += fabs(a->low[k]) + fabs(a->high[k]) + fabs(b->low[k]) + fabs(b->high[k]);
     }
-    return axis;
+    reach = reach * (1 + 1e-12) + 1e-14 * sum;
+    return square > reach * reach;
 }
 
-static int by_low(const void *a, const void *b) {
-    const mover *m = a, *n = b;
-    if (m->low != n->low) return m->low < n->low ? -1 : 1;
-    return m->slot < n->slot ? -1 : m->slot > n->slot;
-}
-
-static void sort_movers(struct oo_broad *b) {
-    int axis = widest_axis(b), nearly_sorted = axis == b->axis && b->unsorted < 16;
-    b->axis = axis;
-    for (unsigned int i = 0; i < b->mover_count; i++) b->movers[i].low = b->entries[b->movers[i].slot].box.low[axis];
-    if (!nearly_sorted) {
-        qsort(b->movers, b->mover_count, sizeof *b->movers, by_low);
-        return;
-    }
-    for (unsigned int i = 1; i < b->mover_count; i++) {
-        mover m = b->movers[i];
-        unsigned int k = i;
-        for (; k > 0 && by_low(&b->movers[k - 1], &m) > 0; k--) b->movers[k] = b->movers[k - 1];
-        b->movers[k] = m;
-    }
-}
-
-static void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
+void try_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
+    const struct oo_broad *b = w->broad;
     unsigned int first = slot1 < slot2 ? slot1 : slot2, second = slot1 < slot2 ? slot2 : slot1;
-    if (broad_declares(w->broad, first, second)) meet_pair(w, first, second);
-}
-
-static void sweep(oo_world *w) {
-    struct oo_broad *b = w->broad;
-    if (!b->mover_count) return;
-    sort_movers(b);
-    for (unsigned int i = 0; i < b->mover_count; i++) {
-        const box *own = &b->entries[b->movers[i].slot].box;
-        for (unsigned int k = i + 1; k < b->mover_count && b->movers[k].low <= own->high[b->axis]; k++)
-            if (overlap(own, &b->entries[b->movers[k].slot].box)) try_pair(w, b->movers[i].slot, b->movers[k].slot);
-    }
+    if (!broad_declares(b, first, second)) return;
+    int round = (w->geoms[first].flags & w->geoms[second].flags & OO_IS_SPHERE) != 0;
+    if (round && spheres_apart(&b->entries[first].box, &b->entries[second].box)) return;
+    meet_pair(w, first, second);
 }
 
 /* ------------------------------------------------------------------ against what does not move */
@@ -354,7 +310,7 @@ static int meet_listened(oo_world *w) {
 
 int find_pairs(oo_world *w) {
     if (broad_update(w)) return OO_NO_MEMORY;
-    sweep(w);
+    meet_movers(w);
     if (meet_quiet_from_movers(w)) return OO_NO_MEMORY;
     if (w->broad->sleepers && (flood(w) || meet_listened(w))) return OO_NO_MEMORY;
     w->broad->current = 1;
@@ -385,7 +341,8 @@ unsigned long long oo_broad_bytes(const oo_world *w) {
     const struct oo_broad *b = w->broad;
     if (!b) return 0;
     return sizeof *b + b->entry_capacity * sizeof *b->entries + b->space_capacity * sizeof *b->spaces +
-           b->mover_capacity * sizeof *b->movers + (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity + b->asleep_capacity +
+           b->mover_capacity * sizeof *b->movers + b->section_capacity * sizeof *b->sections +
+           (b->tree.capacity + b->mover_tree.capacity) * sizeof *b->tree.nodes + b->reached_capacity + b->asleep_capacity +
            (b->huge.capacity + b->heard.capacity + b->hits.capacity + b->queue.capacity) * sizeof(unsigned int);
 }
 
@@ -395,6 +352,7 @@ void broad_free(oo_world *w) {
     free(b->entries);
     free(b->spaces);
     free(b->movers);
+    free(b->sections);
     free(b->tree.nodes);
     free(b->mover_tree.nodes);
     free(b->huge.at);

@@ -93,6 +93,9 @@ typedef struct mover {
     unsigned int slot;
 } mover;
 
+/* Across the axis of the list: both lower sides, then both upper ones with their signs turned. */
+typedef struct cross_section { float sides[4]; } cross_section;
+
 struct oo_broad {
     entry *entries; /* by slot */
     unsigned int entry_capacity;
@@ -102,6 +105,8 @@ struct oo_broad {
     mover *movers;
     unsigned int mover_count, mover_capacity, unsorted; /* the last ones are new in the list */
     int axis;
+    cross_section *sections; /* of the movers, in their order */
+    unsigned int section_capacity;
 
     box_tree tree;
     slots huge, heard, hits;
@@ -117,7 +122,14 @@ struct oo_broad {
 
 /* What has changed since it looked last. */
 HIDDEN int broad_update(oo_world *);
+/* The pairs among what moves. */
+HIDDEN void meet_movers(oo_world *);
+/* Contacts of two geoms whose boxes meet, if their spaces were told to collide. */
+HIDDEN void try_pair(oo_world *, unsigned int slot1, unsigned int slot2);
 /* Whether the spaces that two geoms stand in were told to collide. */
-HIDDEN int broad_declares(const struct oo_broad *, unsigned int slot1, unsigned int slot2);
+static inline int broad_declares(const struct oo_broad *b, unsigned int slot1, unsigned int slot2) {
+    const members *m = &b->spaces[b->entries[slot1].space], *n = &b->spaces[b->entries[slot2].space];
+    return ((m->inside & n->inside) | (m->left & n->right) | (m->right & n->left)) != 0;
+}
 
 #endif

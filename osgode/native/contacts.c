@@ -406,6 +406,7 @@ static int is_round(const oo_geom *geom) {
 
 int collide_well(const oo_geom *a, const oo_geom *b, int most, dContactGeom *rows, int skip) {
     unsigned int either = a->flags | b->flags;
+    if (a->flags & b->flags & OO_IS_SPHERE) return collide_pair(a, b, most, rows, skip);
     int mesh = (either & OO_IS_MESH) != 0, solid_pair = is_round(a) || is_round(b);
     int plane = dGeomGetClass(a->id) == dPlaneClass || dGeomGetClass(b->id) == dPlaneClass;
     if (either & (OO_IS_RAY | OO_IS_HEIGHTFIELD) || (plane && !mesh) || (!mesh && !solid_pair)) return collide_pair(a, b, most, rows, skip);

@@ -36,7 +36,8 @@ enum oo_geom_flags {
     OO_IS_HEIGHTFIELD = 64,
     OO_ASKED = 128,     /* somebody in Python wants to be asked before its contacts act */
     OO_SENSOR = 256,    /* it is touched and never responds */
-    OO_IS_BELT = 512
+    OO_IS_BELT = 512,
+    OO_IS_SPHERE = 1024
 };
 
 /* As the surface of a contact row: it only reports; it was refused, and does not even that. */

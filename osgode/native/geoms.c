@@ -39,7 +39,7 @@ int oo_geom_new(oo_world *w, int kind, const double *d, oo_mesh *mesh) {
     unsigned int flags = 0;
     switch (kind) {
         case OO_BOX: id = dCreateBox(0, d[0], d[1], d[2]); break;
-        case OO_SPHERE: id = dCreateSphere(0, d[0]); break;
+        case OO_SPHERE: id = dCreateSphere(0, d[0]); flags = OO_IS_SPHERE; break;
         case OO_CAPSULE: id = dCreateCapsule(0, d[0], d[1]); break;
         case OO_CYLINDER: id = dCreateCylinder(0, d[0], d[1]); flags = OO_IS_CYLINDER; break;
         case OO_PLANE: id = dCreatePlane(0, d[0], d[1], d[2], d[3]); break;

@@ -61,11 +61,12 @@ void meet_pair(oo_world *w, unsigned int slot1, unsigned int slot2) {
         return;
     }
 
-    lock_meshes((either & OO_IS_MESH) != 0);
+    int mesh = (either & OO_IS_MESH) != 0;
+    if (mesh) lock_meshes(1);
     int (*meet)(const oo_geom *, const oo_geom *, int, dContactGeom *, int) =
         w->refines && !w->ode_broad ? collide_well : collide_pair;
     int found = meet(a, b, (int)w->max_contacts, &w->contacts[first].geom, sizeof *w->contacts);
-    lock_meshes(0);
+    if (mesh) lock_meshes(0);
 
     unsigned int surface = a->surface ? a->surface : b->surface;
     if (a->surface && b->surface && w->surfaces[b->surface].mu < w->surfaces[a->surface].mu) surface = b->surface;
