@@ -77,6 +77,13 @@ class Aids:
         if value or self._debug is not None:
             self.debug.visible = value
 
+    def next_debugging(self) -> None:
+        """Show the debug overlay, then all that it has, then nothing: what its key does."""
+        debug = self.debug
+        everything = debug.visible and not debug.boxes
+        debug.visible = not debug.visible or everything
+        debug.axes = debug.centres = debug.boxes = everything
+
     # -- the inspector
 
     @property

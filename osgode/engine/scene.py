@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from dataclasses import dataclass, field
 
@@ -22,6 +23,10 @@ from osgode.nodes.exports import StepTimings
 from osgode.nodes.spaces import HashSpace, SimpleSpace
 from osgode.nodes.world import World
 
+log = logging.getLogger("osgode")
+
+LOSS = 1.0
+"""Seconds of simulation: when so much was left out the log says so, and again whenever it has doubled."""
 SLOWEST, FASTEST = 1 / 64, 16.0
 """Between these the keys change the speed of the simulation."""
 
@@ -84,6 +89,7 @@ class Scene(Module):
         self.accumulator = Accumulator(config.max_steps)
         self.aids = Aids(self)
         """Debug overlay, inspector, timings: off until somebody wants them."""
+        self._report_at = LOSS
         self._interpolation = 1.0
         self._held_moves = dict.fromkeys(MOVES, False)
         self.timings: dict[str, float] = {}
@@ -157,6 +163,16 @@ class Scene(Module):
             self.accumulator.rest, self._interpolation = 0.0, 1.0
             return single
         steps = self.accumulator.take(self.clock.simulation_delta, step_size)
+        if self.lost >= self._report_at:
+            self._report_at = 2.0 * self.lost
+            log.warning(
+                "%s: %.1f s of simulation were left out so far, since a frame takes longer than %d steps of %g s. "
+                "Draw less, take larger steps, or allow more of them in SceneConfig.max_steps.",
+                self.describe(),
+                self.lost,
+                self.accumulator.max_steps,
+                step_size,
+            )
         if not self.clock.paused:
             self._interpolation = self.accumulator.interpolation(step_size)
         return steps
@@ -248,9 +264,7 @@ class Scene(Module):
         def release_mouse() -> None:
             events.captured = not events.captured
 
-        @events.on_press("debug")
-        def debug() -> None:
-            aids.debugging = not aids.debugging
+        events.on_press("debug")(aids.next_debugging)
 
         @events.on_press("inspect")
         def inspect() -> None:

@@ -6,6 +6,7 @@ import pytest
 
 import osgode as oo
 from osgode.engine import Scene
+from osgode.examples.game.car import ROOF, Car
 from osgode.examples.game.player import JUMP, LOWERED, MAX_SLOPE, SPEED, STEP_HEIGHT, Player
 from osgode.testing import Play
 
@@ -248,3 +249,21 @@ def test_it_is_steered_by_a_program_as_by_a_camera():
             play.seconds(1)
             ends.append(scene.world.poses.tobytes())
     assert ends[0] == ends[1]
+
+
+def test_it_is_carried_by_the_roof_of_a_car():
+    scene = Place()
+    with Play(scene) as play:
+        car = scene.dynamic.attach(Car((0, 0.0, 0)))
+        play.seconds(1)
+        player = scene.player(car.hull.local_to_world(ROOF))
+        play.seconds(1)
+        assert player.on_ground
+        place = car.hull.world_to_local(player.feet)
+        car.controls.move(forward=True)
+        play.seconds(1.5)
+        car.controls.move(forward=False)
+        play.seconds(1)
+        assert car.hull.position.z < -4
+        assert player.on_ground
+        assert (car.hull.world_to_local(player.feet) - place).length < 0.35
