@@ -123,7 +123,33 @@ class HudElement(OverlayNode):
         return Area(x, outer.y + down * (outer.height - height) + self._offset[1], width, height)
 
 
-class HudBox(HudElement):
+class _Coloured(HudElement):
+    """One with a colour."""
+
+    @property
+    def colour(self) -> Colour:
+        """Red, green, blue and opacity, 0 to 1."""
+        return self._colour
+
+    @colour.setter
+    def colour(self, value: Sequence[float]) -> None:
+        self._colour = COLOUR(self.describe(), "colour", value)
+
+
+class _Worded(_Coloured):
+    """One with a text."""
+
+    @property
+    def text(self) -> str:
+        """What it says."""
+        return self._text
+
+    @text.setter
+    def text(self, value: str) -> None:
+        self._text = str(value)
+
+
+class HudBox(_Coloured):
     """A filled rectangle, or an image.
 
     Args:
@@ -146,15 +172,6 @@ class HudBox(HudElement):
         self.texture = texture
 
     @property
-    def colour(self) -> Colour:
-        """Red, green, blue and opacity, 0 to 1."""
-        return self._colour
-
-    @colour.setter
-    def colour(self, value: Sequence[float]) -> None:
-        self._colour = COLOUR(self.describe(), "colour", value)
-
-    @property
     def texture(self) -> Texture | None:
         """An image, multiplied with the colour; None for none."""
         return self._texture
@@ -170,7 +187,7 @@ class HudBox(HudElement):
         return (Rectangle(*area, self._colour, self.texture),)
 
 
-class HudText(HudElement):
+class HudText(_Worded):
     """Text of one line or several; set `text` as often as you like.
 
     Args:
@@ -199,15 +216,6 @@ class HudText(HudElement):
         self.shadow = FLAG(self.describe(), "shadow", shadow)
 
     @property
-    def text(self) -> str:
-        """What it says."""
-        return self._text
-
-    @text.setter
-    def text(self, value: str) -> None:
-        self._text = str(value)
-
-    @property
     def text_size(self) -> int:
         """Height of the em, in units of the projection."""
         return self._text_size
@@ -215,15 +223,6 @@ class HudText(HudElement):
     @text_size.setter
     def text_size(self, value: int) -> None:
         self._text_size = TEXT_SIZE(self.describe(), "size", value)
-
-    @property
-    def colour(self) -> Colour:
-        """Red, green, blue and opacity, 0 to 1."""
-        return self._colour
-
-    @colour.setter
-    def colour(self, value: Sequence[float]) -> None:
-        self._colour = COLOUR(self.describe(), "colour", value)
 
     def overlay_items(self, area: Area) -> Sequence[OverlayItem]:
         """The text, and its shadow."""
@@ -237,7 +236,7 @@ class HudText(HudElement):
         return (Text(x + off, y + off, self._text, self._text_size, dark, align), shown)
 
 
-class HudWindow(HudElement):
+class HudWindow(_Worded):
     """A window in the picture: a half transparent box with a border, a title, and a body of text.
 
     What is attached to it is laid out within its border and margin, below the title.
@@ -273,7 +272,7 @@ class HudWindow(HudElement):
         self.text = text
         name = self.describe()
         self._text_size = TEXT_SIZE(name, "text_size", text_size)
-        self._colour = COLOUR(name, "colour", colour)
+        self.colour = colour
         self._border = COLOUR(name, "border", border)
 
     @property
@@ -284,15 +283,6 @@ class HudWindow(HudElement):
     @title.setter
     def title(self, value: str) -> None:
         self._title = str(value)
-
-    @property
-    def text(self) -> str:
-        """What stands in it."""
-        return self._text
-
-    @text.setter
-    def text(self, value: str) -> None:
-        self._text = str(value)
 
     @property
     def _bar(self) -> float:
