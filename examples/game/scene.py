@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 import osgode as oo
-from osgode.engine import AppConfig, ControllableObject, EventsConfig, Scene, VideoConfig
+from osgode.engine import AppConfig, CompositeObject, ControllableObject, EventsConfig, Scene, VideoConfig
 from osgode.examples.game.car import Car
 from osgode.examples.game.driver import Driver, Patrol
 from osgode.examples.game.flail import Flail
@@ -19,6 +19,7 @@ from osgode.examples.game.level import furnish
 from osgode.examples.game.player import Player
 from osgode.examples.game.rocket import RocketLauncher
 from osgode.examples.game.track import Track
+from osgode.examples.game.weapon import Weapon
 from osgode.examples.runner import look
 
 log = logging.getLogger("osgode.game")
@@ -50,6 +51,8 @@ REACH = 4.0
 """How near a car must be to get into, metres."""
 DEEPEST, FARTHEST = -20.0, 1500.0
 """What is lower, or farther from the middle, has fallen out of the world, metres."""
+LIFTED = 0.6
+"""How high what is put back is dropped from, metres."""
 ITERATIONS = 30
 """Of the quick solver: the hanging bridge and the flail want more than the 20 of a heap."""
 RESTING = (0.1, 0.2)
@@ -221,19 +224,29 @@ class Game(Scene):
         )
 
     def catch_the_lost(self) -> bool:
-        """The floor of the world: what has fallen out of it is reported and taken away; the player begins anew."""
+        """The floor of the world: what has fallen out of it is reported, and put back or taken away as a whole."""
         poses = self.world.poses
         lost = (poses[:, 1] < DEEPEST) | (np.abs(poses[:, :3]).max(axis=1) > FARTHEST)
         bodies = self.world.bodies
+        things: dict[oo.PhysicsNode, oo.Body] = {}
         for row in np.flatnonzero(lost).tolist():
-            self._catch(bodies[row])
+            whole = [node for node in bodies[row].ancestors if isinstance(node, CompositeObject)]
+            things.setdefault(whole[-1] if whole else bodies[row], bodies[row])
+        for thing, body in things.items():
+            log.warning("%s has fallen out of the world, at %s", body.path, body.position)
+            self._put_back(thing)
         return True
 
-    def _catch(self, body: oo.Body) -> None:
-        if not body.is_live:
-            return
-        log.warning("%s has fallen out of the world, at %s", body.path, body.position)
-        if body in self.player.bodies:
-            self.player.place(oo.Pose(START + oo.Vec3(0.0, self.player.reach, 0.0)), at_rest=True)
-        elif body.parent is not None:
-            body.parent.detach(body)
+    def _put_back(self, thing: oo.PhysicsNode) -> None:
+        """Players begin anew, cars at the start line, weapons where the player begins; all else is gone."""
+        if isinstance(thing, Player):
+            thing.place(oo.Pose(START + oo.Vec3(0.0, thing.reach, 0.0)), at_rest=True)
+        elif isinstance(thing, Car):
+            place, yaw = self.track.spot(4.0)
+            lifted = place + oo.Vec3(0.0, LIFTED, 0.0)
+            thing.place(oo.Pose(lifted, oo.Quat.from_yaw_pitch_roll(yaw)), at_rest=True)
+        elif isinstance(thing, Weapon):
+            if not thing.held:  # else it comes along with the hand
+                thing.place(oo.Pose(START + oo.Vec3(1.0, LIFTED, 0.0)), at_rest=True)
+        elif thing.parent is not None:
+            thing.parent.detach(thing)

@@ -9,6 +9,8 @@ import pytest
 import osgode as oo
 from osgode.engine import INPUTS, MouseMotion, Press, Release
 from osgode.examples.game import play as game
+from osgode.examples.game.explosion import Explosion
+from osgode.examples.game.rocket import Rocket
 from osgode.examples.game.scene import BINDINGS, DEEPEST, FARTHEST, START, Game, config
 from osgode.examples.game.tour import SECONDS, Tour
 from osgode.testing import Play
@@ -99,14 +101,24 @@ def test_somebody_plays_it_by_keys_and_mouse():
 def test_what_falls_out_of_the_world_is_caught_and_reported(caplog):
     with Play(Game, config()) as play, caplog.at_level(logging.WARNING, "osgode.game"):
         scene = play.scene
-        crate, player = scene.crates[0], scene.player
+        crate, player, car, gun = scene.crates[0], scene.player, scene.car, scene.weapons[0]
+        rocket = scene.dynamic.attach(Rocket((0, 5, FARTHEST + 30)))
+        blast = scene.dynamic.attach(Explosion((0, 5, -FARTHEST - 30)))
         crate.position = (0, 5, FARTHEST + 10)
-        player.place(oo.Pose(oo.Vec3(-FARTHEST - 20, 5, 0)), at_rest=True)
+        for thing, far in ((player, -20), (car, -40), (gun, -60)):
+            thing.place(oo.Pose(oo.Vec3(-FARTHEST + far, 5, 0)), at_rest=True)
         play.seconds(1.5)
-        assert not crate.is_live
-        assert "crate 0 has fallen out of the world" in caplog.text
+        for thing in (crate, rocket, blast):
+            assert not thing.is_live
+        for name in ("crate 0", "player torso", "red car hull", "constructor gun"):
+            assert f"{name}" in caplog.text
+        assert caplog.text.count("player") < 4  # told once, not for each of its bodies
         assert player.feet.distance(START) < 3
+        assert car.hull.position.distance(scene.track.spot(4.0)[0]) < 3
+        assert gun.main_body.position.distance(START) < 3
         assert player.in_simulation
+        play.seconds(1)
+        assert player.on_ground
 
 
 @pytest.mark.parametrize("seed", [1, 2])
