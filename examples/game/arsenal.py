@@ -53,10 +53,10 @@ class Arsenal:
         """Take the weapon of a slot into the hand and put away the one that is there.
 
         Returns:
-            Whether there is such a weapon; if not, nothing changes.
+            Whether there is such a weapon, and a hand for it; if not, nothing changes.
         """
         wanted = self.weapons.get(slot)
-        if wanted is None:
+        if wanted is None or not self.hand.is_live:  # whoever sits in a car has no hand to spare
             return False
         if not wanted.held:
             self.put_away()

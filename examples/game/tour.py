@@ -24,8 +24,8 @@ SECONDS = 68.0
 """About how long it takes."""
 NEAR = 0.25
 """How near to a place the player has to come, metres."""
-TURNING = 3.5
-"""How fast the player turns, rad/s."""
+TURNING, ASKEW = 4.5, 0.7
+"""How fast the player turns, rad/s, and how far off he may look and walk on, radians."""
 
 
 def flight(start: oo.Vec3Like, end: oo.Vec3Like, first: oo.Vec3Like, last: oo.Vec3Like, seconds: float) -> Shot:
@@ -109,15 +109,17 @@ class Tour(Game):
                 way = target - self.player.feet
                 if math.hypot(way.x, way.z) < near:
                     break
-                self._turn(math.atan2(-way.x, -way.z))
-                controls.move(forward=True)
+                missing = self._turn(math.atan2(-way.x, -way.z))
+                controls.move(forward=abs(missing) < ASKEW)  # else he would walk in circles round it
                 yield
             controls.move(forward=False)
 
-    def _turn(self, yaw: float) -> None:
+    def _turn(self, yaw: float) -> float:
+        """Turn towards a yaw; returns what was missing, radians."""
         controls, most = self.player.controls, TURNING * self.world.step_size
         missing = math.remainder(yaw - controls.yaw, math.tau)
         controls.yaw += min(max(missing, -most), most)
+        return missing
 
     def put(self, feet: oo.Vec3Like, yaw: float = 0.0) -> None:
         """Have the player stand somewhere."""
@@ -126,13 +128,22 @@ class Tour(Game):
         self.player.place(oo.Pose(place, oo.Quat.from_yaw_pitch_roll(yaw)), at_rest=True)
 
     def shoot(self, target: oo.Vec3Like, seconds: float, button: str = "left") -> Steps:
-        """Aim at a point by the rider's eyes, hold a button, and let it go."""
-        self.camera.look_at(target)
+        """Aim at a point by the player's eyes, hold a button, and let it go; the same at any rate of frames."""
+        point = oo.Vec3(*target)
         self.player.arsenal.press(button)
-        yield from self.wait(seconds)
-        self.camera.look_at(target)
-        self.player.arsenal.release(button, self.camera.aiming_ray)
+        for _ in range(round(seconds / self.world.step_size)):
+            self._aim(point)
+            yield
+        self.player.arsenal.release(button, self._aim(point))
         yield
+
+    def _aim(self, point: oo.Vec3) -> tuple[oo.Vec3, oo.Vec3]:
+        """Look at a point; returns where the look begins, and its direction."""
+        eye = self.player.eye_pose().position
+        way = (point - eye).normalized()
+        for looking in (self.camera, self.player.controls):
+            looking.yaw, looking.pitch = math.atan2(-way.x, -way.z), math.asin(way.y)
+        return eye, way
 
     # -- the script
 
@@ -217,7 +228,10 @@ class Tour(Game):
     def fire_a_rocket(self) -> Steps:
         """Take the launcher, and see what a rocket does to the crates."""
         launcher = self.weapons[1]
-        yield from self.walk(launcher.main_body.position, near=0.45, patience=3.0)
+        if self.player.feet.y < 1.0:  # he fell off the platform
+            self.put(self.parts.course.platform[1] + oo.Vec3(0.0, 0.02, -2.4))
+        if launcher.hand is None:
+            yield from self.walk(launcher.main_body.position, near=0.45, patience=3.0)
         if launcher.hand is None:
             self.player.pick_up(launcher)
         self.player.arsenal.switch(2)
@@ -243,7 +257,8 @@ class Tour(Game):
     def swing_the_flail(self) -> Steps:
         """Take the flail, and turn round with it."""
         flail = self.weapons[2]
-        yield from self.walk(flail.main_body.position, near=0.45, patience=2.0)
+        if flail.hand is None:
+            yield from self.walk(flail.main_body.position, near=0.45, patience=2.0)
         if flail.hand is None:
             self.player.pick_up(flail)
         self.player.arsenal.switch(3)

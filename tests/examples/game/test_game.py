@@ -80,6 +80,8 @@ def test_somebody_plays_it_by_keys_and_mouse():
         assert scene.camera.carrier is scene.car
         assert not scene.player.in_simulation
         assert not scene.weapons[0].in_simulation
+        play.tap("weapon_2")  # there is no hand free
+        assert scene.player.arsenal.in_hand is None
         play.hold("forward")
         play.seconds(2)
         assert scene.car.speed > 5
