@@ -92,6 +92,7 @@ class App:
         self._started: list[Module] = []
         self._open = self._used = False
         self._quit = False
+        self._in_turn = self._closing = False
         self.timings: dict[str, float] = {}
         """Seconds that each module took in the last frame, and the parts of the scene and the video."""
 
@@ -171,11 +172,15 @@ class App:
             for module in self._modules:
                 self._started.append(module)
                 module._app = self
-                with _noting(module, "being started"):
+                with self._turn(module, "being started"):
                     module.start()
+                if self._closing:
+                    break
         except BaseException as error:
             self._stop(error)
             raise
+        if self._closing:
+            self._stop(None)
         return self
 
     def _check_needs(self) -> None:
@@ -190,18 +195,27 @@ class App:
         """Do one frame: each module has its turn.
 
         Raises:
-            StateError: if it isn't open.
+            StateError: if it isn't open, or a module has its turn already.
         """
         if not self._open:
             raise StateError("App.cycle(): the App isn't open; use run(), open(), or a with block")
+        if self._in_turn:
+            raise StateError("App.cycle() was called from within a frame, or while the App was opened")
         timings = {}
-        for module in self._modules:
-            if not self._open:  # one of them has closed the App
-                break
-            before = time.perf_counter()
-            with _noting(module, "having its turn"):
-                module.cycle()
-            timings[module.NAME] = time.perf_counter() - before
+        try:
+            for module in self._modules:
+                before = time.perf_counter()
+                with self._turn(module, "having its turn"):
+                    module.cycle()
+                timings[module.NAME] = time.perf_counter() - before
+                if self._closing:
+                    break
+        except BaseException as error:
+            if self._closing:
+                self._stop(error)
+            raise
+        if self._closing:
+            self._stop(None)
         self.timings = {**timings, **self.scene.timings, **self.video.timings}
         self.scene.aids.note(self.timings)
 
@@ -234,11 +248,29 @@ class App:
                     left -= 1
 
     def close(self) -> None:
-        """Stop all modules in reverse order; closing twice does nothing. All are stopped even if one fails."""
+        """Stop all modules in reverse order; closing twice does nothing. All are stopped even if one fails.
+
+        From within a frame, or while it is opened: as soon as the module that has its turn is done, and no other has
+        one then.
+        """
         self._quit = True
         self._stop(None)
 
+    @contextmanager
+    def _turn(self, module: Module, doing: str) -> Iterator[None]:
+        """Within it nothing is stopped: the module, and what it has called, may still need all of them."""
+        self._in_turn = True
+        try:
+            with _noting(module, doing):
+                yield
+        finally:
+            self._in_turn = False
+
     def _stop(self, cause: BaseException | None) -> None:
+        if self._in_turn:
+            self._closing = self._quit = True
+            return
+        self._closing = False
         errors: list[BaseException] = []
         while self._started:
             module = self._started.pop()

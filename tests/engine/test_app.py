@@ -17,6 +17,7 @@ from osgode.engine import (
     EventsConfig,
     HandTime,
     Module,
+    Press,
     Quit,
     RealTime,
     Scene,
@@ -422,3 +423,94 @@ def test_the_core_modules_by_themselves():
     for name, kind in kinds.items():
         assert type(app.module(name)) is kind
         assert getattr(app, name) is app.module(name)
+
+
+@pytest.mark.parametrize(
+    "hook", ["populate_world", "populate_hud", "bind_actions", "steer", "each_frame", "before_step", "move_camera"]
+)
+def test_closing_in_any_hook_of_a_scene(hook):
+    """The scene ends its turn with all modules there, the inspector too, and only then the App is closed."""
+
+    class Closing(Scene):
+        def populate_world(self):
+            self.aids.inspecting = True
+
+    def close(self):
+        getattr(super(Closing, self), hook)()
+        self.app.close()
+        assert self.app.is_open
+
+    setattr(Closing, hook, close)
+    app = App(Closing, BARE)
+    app.run(5)
+    assert not app.is_open
+    assert app._started == []
+    assert App._current is None
+
+
+def test_closing_in_a_listener_in_a_scheduled_call_and_in_an_update():
+    def pressed(scene):
+        scene.events.on_press("j")(scene.app.close)
+
+    def scheduled(scene):
+        scene.world.schedule(lambda _: scene.app.close())
+
+    def updated(scene):
+        scene.dynamic.on_update(lambda _: scene.app.close())
+
+    for prepare in (pressed, scheduled, updated):
+
+        class Closing(Scene):
+            def populate_world(self, prepare=prepare):
+                self.aids.inspecting = True
+                prepare(self)
+
+        source = ScriptedInput()
+        source.send(Press("j"))
+        app = App(Closing, BARE, source=source)
+        app.run(5)
+        assert not app.is_open
+        assert app.clock.frames == 1
+
+
+def test_closing_while_it_is_opened_starts_no_more():
+    log = []
+
+    class Closer(Module):
+        NAME = "closer"
+
+        def start(self):
+            self.app.close()
+
+    app = App(scene_with(log), BARE, modules=[Closer(), Noting(log)]).open()
+    assert not app.is_open
+    assert log == []
+
+
+def test_an_error_after_closing_from_within():
+    """The App is closed all the same, also for who has opened it by hand."""
+
+    class Failing(Module):
+        NAME = "failing"
+
+        def cycle(self):
+            self.app.close()
+            raise ValueError("after closing")
+
+    app = App(Scene, BARE, modules=[Failing()]).open()
+    with pytest.raises(ValueError, match="after closing"):
+        app.cycle()
+    assert not app.is_open
+    assert App._current is None
+
+
+@pytest.mark.parametrize("call", [lambda app: app.cycle(), lambda app: app.run(1)])
+def test_a_frame_within_a_frame_is_refused(call):
+    class Nested(Module):
+        NAME = "nested"
+
+        def cycle(self):
+            with pytest.raises(StateError, match="from within a frame"):
+                call(self.app)
+
+    App(Scene, BARE, modules=[Nested()]).run(1)
