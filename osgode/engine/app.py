@@ -59,7 +59,7 @@ class App:
         source: where events come from; with a window, besides those that it has.
 
     Raises:
-        FieldError: for what is no Scene, no Module or no AppConfig, and two modules of one name.
+        FieldError: for what is no Scene, Module, AppConfig, Timer or InputSource, and two modules of one name.
     """
 
     _current: ClassVar[App | None] = None
@@ -73,9 +73,9 @@ class App:
         timer: Timer | None = None,
         source: InputSource | None = None,
     ) -> None:
-        config = AppConfig() if config is None else config
-        if not isinstance(config, AppConfig):
-            raise FieldError(f"App.config is {shown(config)}; it must be an AppConfig")
+        config = AppConfig.given(config, "App")
+        _check_has("timer", timer, "now", "wait")
+        _check_has("source", source, "poll", "capture")
         if timer is None:
             timer = RealTime() if config.video.mode == "window" else HandTime()
             if config.video.mode != "window" and config.clock.frame_limit is None:
@@ -309,11 +309,18 @@ def _noting(module: Module, doing: str) -> Iterator[None]:
         raise
 
 
+def _check_has(name: str, value: object, *methods: str) -> None:
+    if value is not None and not all(callable(getattr(value, method, None)) for method in methods):
+        raise FieldError(f"App.{name} is {shown(value)}; it must have {' and '.join(m + '()' for m in methods)}")
+
+
 def _in_order(core: list[Module], more: Iterable[Module]) -> list[Module]:
     """The core modules with the others between events and scene, or in place of those of their names."""
     result = list(core)
     place = EXPECTED.index("scene")
     names: set[str] = set()
+    if not isinstance(more, Iterable):
+        raise FieldError(f"App.modules is {shown(more)}; it must be a list of Modules")
     for module in more:
         if not isinstance(module, Module):
             raise FieldError(f"App.modules has {shown(module)}; it must be Modules only")

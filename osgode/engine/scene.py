@@ -72,7 +72,7 @@ class Scene(Module):
     NEEDS = ("clock", "events")
 
     def __init__(self, config: SceneConfig | None = None) -> None:
-        self.config = config = SceneConfig() if config is None else config
+        self.config = config = SceneConfig.given(config, type(self).__name__)
         self.root = Group(name=type(self).__name__)
         """What everything stands below."""
         self.world = self.root.attach(World(name="world", step_size=config.step_size, gravity=config.gravity))
