@@ -364,7 +364,7 @@ def parse(kind: type[Example], name: str, arguments: Sequence[str] | None) -> ar
     """Read the command line."""
     about = (sys.modules[kind.__module__].__doc__ or "").partition("\n\n")[0]
     parser = argparse.ArgumentParser(prog=f"python -m osgode.examples.{name}", description=about)
-    parser.add_argument("--headless", action="store_true", help="open no window; simulate, check, and draw only what is asked for")
+    parser.add_argument("--headless", action="store_true", help="open no window; draw only what is asked for")
     parser.add_argument("--seconds", type=float, default=kind.SECONDS, help="of simulation (default: %(default)s)")
     parser.add_argument("--frames", type=int, help=f"stop after so many frames, {FPS} a second")
     parser.add_argument("--picture", type=Path, metavar="PNG", help="write the last frame into this file")

@@ -527,3 +527,14 @@ def test_a_frame_within_a_frame_is_refused(call):
                 call(self.app)
 
     App(Scene, BARE, modules=[Nested()]).run(1)
+
+
+def test_a_scene_is_filled_once():
+    """In a second App it would have everything twice."""
+    log = []
+    scene = scene_with(log)()
+    App(scene, BARE).run(1)
+    before = list(log)
+    with pytest.raises(StateError, match="filled before, for another App"):
+        App(scene, BARE).run(1)
+    assert [each for each in log if each != "scene stop"] == [each for each in before if each != "scene stop"]
