@@ -1,7 +1,8 @@
 """What the examples share: how a scene is looked at, checked, and run from the command line.
 
 ``python -m osgode.examples.heap`` opens a window, or, where there is no screen, writes pictures and a video into
-``out/``. ``--headless`` simulates without drawing anything, which takes nothing but osgode itself.
+``out/``. ``--headless`` opens no window, and draws only what ``--picture`` and ``--video`` ask for: without these it
+takes nothing but osgode itself.
 """
 
 from __future__ import annotations
@@ -333,7 +334,7 @@ def run(kind: type[Example], arguments: Sequence[str] | None = None) -> None:
         told = None if options.headless or drawn else play(example, options.frames)
         if told is not None:
             options.seconds = 0.0  # whoever watches may stop whenever they like, so nothing is promised
-        elif options.headless or not (drawn or is_installed("moderngl", "PIL")):
+        elif not drawn and (options.headless or not is_installed("moderngl", "PIL")):
             if not options.headless:
                 print("simulating only; to see it: pip install 'osgode[render,video]'")
             told = simulate(example, options.seconds)
@@ -363,7 +364,7 @@ def parse(kind: type[Example], name: str, arguments: Sequence[str] | None) -> ar
     """Read the command line."""
     about = (sys.modules[kind.__module__].__doc__ or "").partition("\n\n")[0]
     parser = argparse.ArgumentParser(prog=f"python -m osgode.examples.{name}", description=about)
-    parser.add_argument("--headless", action="store_true", help="simulate and check, draw nothing")
+    parser.add_argument("--headless", action="store_true", help="open no window; draw only what is asked for")
     parser.add_argument("--seconds", type=float, default=kind.SECONDS, help="of simulation (default: %(default)s)")
     parser.add_argument("--frames", type=int, help=f"stop after so many frames, {FPS} a second")
     parser.add_argument("--picture", type=Path, metavar="PNG", help="write the last frame into this file")

@@ -27,7 +27,7 @@ from osgode.engine.app import HEADLESS_RATE, App, AppConfig
 from osgode.engine.clock import HandTime
 from osgode.engine.inputs import InputEvent, MouseMotion, Press, Release, ScriptedInput, Wheel
 from osgode.engine.scene import Scene
-from osgode.errors import FieldError, StateError, shown
+from osgode.errors import FieldError, StateError
 from osgode.fields import number, whole
 from osgode.graph.appearance import Image
 from osgode.graph.node import Node
@@ -54,9 +54,7 @@ class Play:
     """
 
     def __init__(self, scene: type[Scene] | Scene, config: AppConfig | None = None, **others: Any) -> None:
-        config = AppConfig() if config is None else config
-        if not isinstance(config, AppConfig):
-            raise FieldError(f"Play.config is {shown(config)}; it must be an AppConfig")
+        config = AppConfig.given(config, "Play")
         config = replace(config, video=replace(config.video, mode="none"))
         self._time = HandTime()
         self.input = ScriptedInput()

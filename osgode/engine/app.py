@@ -59,7 +59,7 @@ class App:
         source: where events come from; with a window, besides those that it has.
 
     Raises:
-        FieldError: for what is no Scene, no Module or no AppConfig, and two modules of one name.
+        FieldError: for what is no Scene, Module, AppConfig, Timer or InputSource, and two modules of one name.
     """
 
     _current: ClassVar[App | None] = None
@@ -73,9 +73,9 @@ class App:
         timer: Timer | None = None,
         source: InputSource | None = None,
     ) -> None:
-        config = AppConfig() if config is None else config
-        if not isinstance(config, AppConfig):
-            raise FieldError(f"App.config is {shown(config)}; it must be an AppConfig")
+        config = AppConfig.given(config, "App")
+        _check_has("timer", timer, "now", "wait")
+        _check_has("source", source, "poll", "capture")
         if timer is None:
             timer = RealTime() if config.video.mode == "window" else HandTime()
             if config.video.mode != "window" and config.clock.frame_limit is None:
@@ -92,6 +92,7 @@ class App:
         self._started: list[Module] = []
         self._open = self._used = False
         self._quit = False
+        self._in_turn = self._closing = False
         self.timings: dict[str, float] = {}
         """Seconds that each module took in the last frame, and the parts of the scene and the video."""
 
@@ -171,11 +172,15 @@ class App:
             for module in self._modules:
                 self._started.append(module)
                 module._app = self
-                with _noting(module, "being started"):
+                with self._turn(module, "being started"):
                     module.start()
+                if self._closing:
+                    break
         except BaseException as error:
             self._stop(error)
             raise
+        if self._closing:
+            self._stop(None)
         return self
 
     def _check_needs(self) -> None:
@@ -190,18 +195,27 @@ class App:
         """Do one frame: each module has its turn.
 
         Raises:
-            StateError: if it isn't open.
+            StateError: if it isn't open, or a module has its turn already.
         """
         if not self._open:
             raise StateError("App.cycle(): the App isn't open; use run(), open(), or a with block")
+        if self._in_turn:
+            raise StateError("App.cycle() was called from within a frame, or while the App was opened")
         timings = {}
-        for module in self._modules:
-            if not self._open:  # one of them has closed the App
-                break
-            before = time.perf_counter()
-            with _noting(module, "having its turn"):
-                module.cycle()
-            timings[module.NAME] = time.perf_counter() - before
+        try:
+            for module in self._modules:
+                before = time.perf_counter()
+                with self._turn(module, "having its turn"):
+                    module.cycle()
+                timings[module.NAME] = time.perf_counter() - before
+                if self._closing:
+                    break
+        except BaseException as error:
+            if self._closing:
+                self._stop(error)
+            raise
+        if self._closing:
+            self._stop(None)
         self.timings = {**timings, **self.scene.timings, **self.video.timings}
         self.scene.aids.note(self.timings)
 
@@ -234,11 +248,29 @@ class App:
                     left -= 1
 
     def close(self) -> None:
-        """Stop all modules in reverse order; closing twice does nothing. All are stopped even if one fails."""
+        """Stop all modules in reverse order; closing twice does nothing. All are stopped even if one fails.
+
+        From within a frame, or while it is opened: as soon as the module that has its turn is done, and no other has
+        one then.
+        """
         self._quit = True
         self._stop(None)
 
+    @contextmanager
+    def _turn(self, module: Module, doing: str) -> Iterator[None]:
+        """Within it nothing is stopped: the module, and what it has called, may still need all of them."""
+        self._in_turn = True
+        try:
+            with _noting(module, doing):
+                yield
+        finally:
+            self._in_turn = False
+
     def _stop(self, cause: BaseException | None) -> None:
+        if self._in_turn:
+            self._closing = self._quit = True
+            return
+        self._closing = False
         errors: list[BaseException] = []
         while self._started:
             module = self._started.pop()
@@ -277,11 +309,18 @@ def _noting(module: Module, doing: str) -> Iterator[None]:
         raise
 
 
+def _check_has(name: str, value: object, *methods: str) -> None:
+    if value is not None and not all(callable(getattr(value, method, None)) for method in methods):
+        raise FieldError(f"App.{name} is {shown(value)}; it must have {' and '.join(m + '()' for m in methods)}")
+
+
 def _in_order(core: list[Module], more: Iterable[Module]) -> list[Module]:
     """The core modules with the others between events and scene, or in place of those of their names."""
     result = list(core)
     place = EXPECTED.index("scene")
     names: set[str] = set()
+    if not isinstance(more, Iterable):
+        raise FieldError(f"App.modules is {shown(more)}; it must be a list of Modules")
     for module in more:
         if not isinstance(module, Module):
             raise FieldError(f"App.modules has {shown(module)}; it must be Modules only")

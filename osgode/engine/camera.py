@@ -229,8 +229,13 @@ class Camera(Controllable):
         self._matching = matching
         if matching == "absolute":
             self.yaw, self.pitch = carrier.controls.yaw, carrier.controls.pitch
-        carrier.boarded()
-        self.update(0.0)
+        try:
+            carrier.boarded()
+            self.update(0.0)
+        except BaseException:
+            if self._carrier is carrier:  # it is of no use as one
+                self._carrier = None
+            raise
 
     def ride_what_is_aimed_at(self, reach: float = 100.0, matching: Matching = "absolute") -> ControllableObject | None:
         """Ride on the controllable object in the middle of the picture, if there is one within reach; returns it."""

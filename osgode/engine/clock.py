@@ -94,7 +94,7 @@ class Clock(Module):
     NAME = "clock"
 
     def __init__(self, config: ClockConfig | None = None, timer: Timer | None = None) -> None:
-        self.config = config = ClockConfig() if config is None else config
+        self.config = config = ClockConfig.given(config, "Clock")
         self.timer: Timer = RealTime() if timer is None else timer
         self._limit = config.frame_limit
         self._speed = config.speed

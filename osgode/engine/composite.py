@@ -294,7 +294,7 @@ class ControllableObject(CompositeObject):
         """Called when a camera begins to ride it."""
 
     def left(self) -> None:
-        """Called when the camera leaves; nobody steers it then."""
+        """Called when the camera leaves; nobody steers it then. It may be in no World any more, and without a body."""
         self.controls.stop()
 
     def _entered(self) -> None:

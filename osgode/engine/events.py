@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -19,7 +18,7 @@ from osgode.engine.inputs import (
     ScriptedInput,
     Wheel,
 )
-from osgode.engine.keys import INPUTS
+from osgode.engine.keys import INPUTS, check_input
 from osgode.engine.module import Config, Module
 from osgode.errors import FieldError, shown
 from osgode.fields import FLAG, number
@@ -66,6 +65,14 @@ class EventsConfig(Config):
     mouse_sensitivity: float = 0.0025
     capture: bool = False
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        checked = {
+            action: _checked_binding("EventsConfig.bindings", action, inputs)
+            for action, inputs in self.bindings.items()
+        }
+        object.__setattr__(self, "bindings", checked)
+
 
 class Events(Module):
     """Keyboard, mouse and window, frame by frame.
@@ -82,7 +89,7 @@ class Events(Module):
     NAME = "events"
 
     def __init__(self, config: EventsConfig | None = None, source: InputSource | None = None) -> None:
-        self.config = config = EventsConfig() if config is None else config
+        self.config = config = EventsConfig.given(config, "Events")
         self._source: InputSource = ScriptedInput() if source is None else source
         self._bindings: dict[str, tuple[str, ...]] = dict(BINDINGS)
         for action, inputs in config.bindings.items():
@@ -116,18 +123,7 @@ class Events(Module):
         Raises:
             FieldError: for a key or button that there isn't, or an action that is called like one.
         """
-        if not isinstance(action, str) or not action or action in INPUTS:
-            raise FieldError(
-                f"Events.bind(): {shown(action)} can't be an action; it must be a word that is no key's or button's"
-            )
-        if not isinstance(inputs, Iterable):
-            raise FieldError(
-                f"Events.bind({action!r}): {shown(inputs)} must be the name of a key or button, or several"
-            )
-        names = (inputs,) if isinstance(inputs, str) else tuple(inputs)
-        for name in names:
-            _check_input(f"Events.bind({action!r})", name)
-        self._bindings[action] = names
+        self._bindings[action] = _checked_binding("Events.bind", action, inputs)
 
     def inputs(self, name: str) -> tuple[str, ...]:
         """The keys and buttons of an action; of a key or button itself.
@@ -137,7 +133,7 @@ class Events(Module):
         """
         found = self._bindings.get(name) if isinstance(name, str) else None
         if found is None:
-            _check_input("Events", name, self._bindings)
+            check_input("Events", name, self._bindings)
             found = (name,)
         return found
 
@@ -296,12 +292,17 @@ class Events(Module):
             self._released.add(name)
 
 
-def _check_input(call: str, name: object, actions: Iterable[str] = ()) -> None:
-    if isinstance(name, str) and name in INPUTS:
-        return
-    close = difflib.get_close_matches(str(name), [*actions, *sorted(INPUTS)], 1)
-    hint = f"did you mean {close[0]!r}?" if close else "see osgode.engine.INPUTS"
-    raise FieldError(f"{call}: {shown(name)} is no {'action, ' if actions else ''}key or mouse button; {hint}")
+def _checked_binding(call: str, action: object, inputs: object) -> tuple[str, ...]:
+    if not isinstance(action, str) or not action or action in INPUTS:
+        raise FieldError(
+            f"{call}(): {shown(action)} can't be an action; it must be a word that is no key's or button's"
+        )
+    if not isinstance(inputs, Iterable):
+        raise FieldError(f"{call}({action!r}): {shown(inputs)} must be the name of a key or button, or several")
+    names = (inputs,) if isinstance(inputs, str) else tuple(inputs)
+    for name in names:
+        check_input(f"{call}({action!r})", name)
+    return names
 
 
 def _check_callable(call: str, listener: object) -> None:

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from osgode.engine.keys import BUTTON_NAMES, KEY_NAMES
+from osgode.engine.keys import BUTTON_NAMES, KEY_NAMES, check_input
+from osgode.errors import FieldError, shown
 
 if TYPE_CHECKING:
     from osgode.render import Window
@@ -16,16 +17,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """A key or a mouse button went down; ``name`` is one of `osgode.engine.INPUTS`."""
+    """A key or a mouse button went down; ``name`` is one of `osgode.engine.INPUTS`.
+
+    Raises:
+        FieldError: for any other name.
+    """
 
     name: str
+
+    def __post_init__(self) -> None:
+        check_input(type(self).__name__, self.name)
 
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """It came up again."""
+    """It came up again; as `Press`."""
 
     name: str
+
+    def __post_init__(self) -> None:
+        check_input(type(self).__name__, self.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +98,14 @@ class ScriptedInput:
         """Whether the pointer would be held now."""
 
     def send(self, *events: InputEvent) -> None:
-        """Let these happen in the next frame."""
+        """Let these happen in the next frame.
+
+        Raises:
+            FieldError: for what is no event; none of them happens then.
+        """
+        for event in events:
+            if not isinstance(event, InputEvent):
+                raise FieldError(f"ScriptedInput.send(): {shown(event)} is no event such as Press('w') or Wheel(1)")
         self._waiting.extend(events)
 
     def poll(self) -> list[InputEvent]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from typing import Final
+
+from osgode.errors import FieldError, shown
 
 _ROW = "abcdefghijklmnopqrstuvwxyz1234567890"
 _FROM_40 = (
@@ -32,3 +36,12 @@ BUTTON_NAMES: Final[dict[int, str]] = {number: name for name, number in BUTTONS.
 
 INPUTS: Final[frozenset[str]] = frozenset({*SCANCODES, *BUTTONS})
 """Everything that can be pressed."""
+
+
+def check_input(call: str, name: object, actions: Iterable[str] = ()) -> None:
+    """Raise FieldError unless ``name`` is that of a key or button; ``actions`` are what else may have been meant."""
+    if isinstance(name, str) and name in INPUTS:
+        return
+    close = difflib.get_close_matches(str(name), [*actions, *sorted(INPUTS)], 1)
+    hint = f"did you mean {close[0]!r}?" if close else "see osgode.engine.INPUTS"
+    raise FieldError(f"{call}: {shown(name)} is no {'action, ' if actions else ''}key or mouse button; {hint}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from osgode.errors import FieldError, StateError, shown
 from osgode.fields import Check
@@ -30,6 +30,19 @@ class Config:
                 raise FieldError(
                     f"{type(self).__name__}.{field.name} is {shown(value)}; it must be a {wanted.__name__}"
                 )
+
+    @classmethod
+    def given(cls, config: Self | None, owner: str) -> Self:
+        """``config``, or the settings that all have at first if it is None.
+
+        Raises:
+            FieldError: if it is anything else.
+        """
+        if config is None:
+            return cls()
+        if not isinstance(config, cls):
+            raise FieldError(f"{owner}.config is {shown(config)}; it must be of the class {cls.__name__}")
+        return config
 
 
 class Module:

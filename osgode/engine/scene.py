@@ -12,6 +12,7 @@ from osgode.engine.clock import Accumulator, Clock
 from osgode.engine.controllable import MOVES
 from osgode.engine.events import Events
 from osgode.engine.module import Config, Module
+from osgode.errors import StateError
 from osgode.fields import number, vector, whole
 from osgode.graph.cull import CullVisitor
 from osgode.graph.frame import Frame, Sky, Sun
@@ -72,7 +73,7 @@ class Scene(Module):
     NEEDS = ("clock", "events")
 
     def __init__(self, config: SceneConfig | None = None) -> None:
-        self.config = config = SceneConfig() if config is None else config
+        self.config = config = SceneConfig.given(config, type(self).__name__)
         self.root = Group(name=type(self).__name__)
         """What everything stands below."""
         self.world = self.root.attach(World(name="world", step_size=config.step_size, gravity=config.gravity))
@@ -90,6 +91,7 @@ class Scene(Module):
         self.aids = Aids(self)
         """Debug overlay, inspector, timings: off until somebody wants them."""
         self._report_at = LOSS
+        self._filled = False
         self._interpolation = 1.0
         self._held_moves = dict.fromkeys(MOVES, False)
         self.timings: dict[str, float] = {}
@@ -136,7 +138,14 @@ class Scene(Module):
     # -- frames
 
     def start(self) -> None:
-        """Fill the World and the overlay."""
+        """Fill the World and the overlay.
+
+        Raises:
+            StateError: if that was done before, for another App.
+        """
+        if self._filled:
+            raise StateError(f"{self.describe()} has been filled before, for another App; make a new one")
+        self._filled = True
         self.populate_world()
         self.populate_hud()
         self.bind_actions()

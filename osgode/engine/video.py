@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from osgode.engine.inputs import WindowInput
 from osgode.engine.module import Config, Module
 from osgode.errors import FieldError, shown
+from osgode.fields import FLAG, Check, whole
 from osgode.graph.appearance import Image
 from osgode.render import OffscreenDrawer, Quality, Window, save_png
 
@@ -19,6 +20,16 @@ if TYPE_CHECKING:
 
 Mode = Literal["window", "offscreen", "none"]
 MODES = ("window", "offscreen", "none")
+SIDE = whole(1, 16384)
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError
+    return value
+
+
+TITLE: Check[str] = Check("a text", _text)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +46,8 @@ class VideoConfig(Config):
         quality: what a picture may cost; None: as suits who draws, full on a graphics card, on a software rasteriser
             such that it can be played; what `Video.picture` makes is then always full.
     """
+
+    CHECKS = {"title": TITLE, "full_screen": FLAG, "vsync": FLAG}  # noqa: RUF012 - Config has it as a ClassVar
 
     mode: Mode = "window"
     size: tuple[int, int] = (1024, 640)
@@ -54,11 +67,9 @@ class VideoConfig(Config):
 
 def _checked_size(value: Any) -> tuple[int, int]:
     try:
-        width, height = (int(part) for part in value)
-    except (TypeError, ValueError):
-        width = height = 0
-    if not (1 <= width <= 16384 and 1 <= height <= 16384):
-        raise FieldError(f"VideoConfig.size is {shown(value)}; it must be two whole numbers from 1 to 16384")
+        width, height = (SIDE("VideoConfig", "size", part) for part in value)
+    except (TypeError, ValueError) as error:  # FieldError is a ValueError
+        raise FieldError(f"VideoConfig.size is {shown(value)}; it must be two whole numbers from 1 to 16384") from error
     return (width, height)
 
 
@@ -77,7 +88,7 @@ class Video(Module):
     NEEDS = ("events",)
 
     def __init__(self, config: VideoConfig | None = None) -> None:
-        self.config = VideoConfig() if config is None else config
+        self.config = VideoConfig.given(config, "Video")
         self.window: Window | None = None
         """The window, if there is one."""
         self.drawer: OffscreenDrawer | None = None

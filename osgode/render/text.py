@@ -14,6 +14,9 @@ from osgode.render.extras import require
 if TYPE_CHECKING:
     import pygame
 
+LARGEST = 8192
+"""Pixels of a side of a drawn text; larger pictures are refused by some graphics cards, and seen on no screen."""
+
 
 @lru_cache(maxsize=32)
 def _font(size: int) -> pygame.font.Font:
@@ -31,6 +34,11 @@ def font(size: int) -> pygame.font.Font:
     return _font(max(1, int(size)))
 
 
+def _lines(text: str) -> list[str]:
+    """The lines of a text, without the one character that pygame refuses."""
+    return text.replace("\0", "").split("\n")
+
+
 def measure_text(text: str, size: int = 18) -> tuple[int, int]:
     """The width and height in pixels that ``text`` takes, of one line or several.
 
@@ -39,20 +47,20 @@ def measure_text(text: str, size: int = 18) -> tuple[int, int]:
     Raises:
         MissingExtraError: if pygame is not installed.
     """
-    lines = text.split("\n")
+    lines = _lines(text)
     face = font(size)
     return max(face.size(line)[0] for line in lines), face.get_linesize() * len(lines)
 
 
 def rasterise(text: str, size: int) -> Image:
-    """How opaque each pixel of ``text`` is: (height, width) bytes, first row at the top."""
+    """How opaque each pixel of ``text`` is: (height, width) bytes, first row at the top; cut off at `LARGEST`."""
     surfarray = require("pygame.surfarray")
     face = font(size)
-    width, height = measure_text(text, size)
+    width, height = (min(side, LARGEST) for side in measure_text(text, size))
     result = np.zeros((max(height, 1), max(width, 1)), np.uint8)
     step = face.get_linesize()
-    for number, line in enumerate(text.split("\n")):
-        if line:
+    for number, line in enumerate(_lines(text)):
+        if line and number * step < height:
             alpha = surfarray.array_alpha(face.render(line, True, (255, 255, 255))).T
             part = result[number * step :][: alpha.shape[0], : alpha.shape[1]]
             np.maximum(part, alpha[: part.shape[0], : part.shape[1]], out=part)

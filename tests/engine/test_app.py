@@ -17,6 +17,7 @@ from osgode.engine import (
     EventsConfig,
     HandTime,
     Module,
+    Press,
     Quit,
     RealTime,
     Scene,
@@ -297,6 +298,19 @@ class Nameless(Module):
         (lambda: VideoConfig(mode="screen"), "VideoConfig.mode.*window, offscreen, none"),
         (lambda: VideoConfig(size=(0, 10)), "VideoConfig.size"),
         (lambda: VideoConfig(size=100), "VideoConfig.size"),
+        (lambda: VideoConfig(size=(640.5, 480)), "VideoConfig.size.*whole"),
+        (lambda: VideoConfig(size="99"), "VideoConfig.size"),
+        (lambda: VideoConfig(title=3), "VideoConfig.title is 3; it must be a text"),
+        (lambda: VideoConfig(vsync="no"), "VideoConfig.vsync.*True or False"),
+        (lambda: VideoConfig(full_screen=2), "VideoConfig.full_screen.*True or False"),
+        (lambda: EventsConfig(bindings={"jump": "spce"}), "EventsConfig.bindings.*jump.*did you mean 'space'"),
+        (lambda: Scene(3), "Scene.config is 3; it must be of the class SceneConfig"),
+        (lambda: Clock(3), "Clock.config is 3; it must be of the class ClockConfig"),
+        (lambda: Events(3), "Events.config is 3; it must be of the class EventsConfig"),
+        (lambda: Video(3), "Video.config is 3; it must be of the class VideoConfig"),
+        (lambda: App(timer=3), "App.timer is 3; it must have now"),
+        (lambda: App(source=3), "App.source is 3; it must have poll"),
+        (lambda: App(modules=3), "App.modules is 3; it must be a list of Modules"),
         (lambda: VideoConfig(quality="full"), "VideoConfig.quality is 'full'.*Quality"),
     ],
 )
@@ -422,3 +436,105 @@ def test_the_core_modules_by_themselves():
     for name, kind in kinds.items():
         assert type(app.module(name)) is kind
         assert getattr(app, name) is app.module(name)
+
+
+@pytest.mark.parametrize(
+    "hook", ["populate_world", "populate_hud", "bind_actions", "steer", "each_frame", "before_step", "move_camera"]
+)
+def test_closing_in_any_hook_of_a_scene(hook):
+    """The scene ends its turn with all modules there, the inspector too, and only then the App is closed."""
+
+    class Closing(Scene):
+        def populate_world(self):
+            self.aids.inspecting = True
+
+    def close(self):
+        getattr(super(Closing, self), hook)()
+        self.app.close()
+        assert self.app.is_open
+
+    setattr(Closing, hook, close)
+    app = App(Closing, BARE)
+    app.run(5)
+    assert not app.is_open
+    assert app._started == []
+    assert App._current is None
+
+
+def test_closing_in_a_listener_in_a_scheduled_call_and_in_an_update():
+    def pressed(scene):
+        scene.events.on_press("j")(scene.app.close)
+
+    def scheduled(scene):
+        scene.world.schedule(lambda _: scene.app.close())
+
+    def updated(scene):
+        scene.dynamic.on_update(lambda _: scene.app.close())
+
+    for prepare in (pressed, scheduled, updated):
+
+        class Closing(Scene):
+            def populate_world(self, prepare=prepare):
+                self.aids.inspecting = True
+                prepare(self)
+
+        source = ScriptedInput()
+        source.send(Press("j"))
+        app = App(Closing, BARE, source=source)
+        app.run(5)
+        assert not app.is_open
+        assert app.clock.frames == 1
+
+
+def test_closing_while_it_is_opened_starts_no_more():
+    log = []
+
+    class Closer(Module):
+        NAME = "closer"
+
+        def start(self):
+            self.app.close()
+
+    app = App(scene_with(log), BARE, modules=[Closer(), Noting(log)]).open()
+    assert not app.is_open
+    assert log == []
+
+
+def test_an_error_after_closing_from_within():
+    """The App is closed all the same, also for who has opened it by hand."""
+
+    class Failing(Module):
+        NAME = "failing"
+
+        def cycle(self):
+            self.app.close()
+            raise ValueError("after closing")
+
+    app = App(Scene, BARE, modules=[Failing()]).open()
+    with pytest.raises(ValueError, match="after closing"):
+        app.cycle()
+    assert not app.is_open
+    assert App._current is None
+
+
+@pytest.mark.parametrize("call", [lambda app: app.cycle(), lambda app: app.run(1)])
+def test_a_frame_within_a_frame_is_refused(call):
+    class Nested(Module):
+        NAME = "nested"
+
+        def cycle(self):
+            with pytest.raises(StateError, match="from within a frame"):
+                call(self.app)
+
+    App(Scene, BARE, modules=[Nested()]).run(1)
+
+
+def test_a_scene_is_filled_once():
+    """In a second App it would have everything twice."""
+    log = []
+    scene = scene_with(log)()
+    App(scene, BARE).run(1)
+    before = list(log)
+    with pytest.raises(StateError, match="filled before, for another App"):
+        App(scene, BARE).run(1)
+    assert [each for each in log if each != "scene stop"] == [each for each in before if each != "scene stop"]

@@ -520,3 +520,24 @@ def test_keys_for_pause_steps_pointer_and_end():
         assert play.app.video.full_screen
         play.tap("quit")
         assert play.app.quitting
+
+
+@pytest.mark.parametrize("hook", ["boarded", "eye_pose"])
+def test_a_carrier_that_fails_at_boarding_is_not_ridden(hook):
+    """The camera flies on; it would else fail in every frame to come."""
+
+    class Failing(Cart):
+        pass
+
+    def fail(self, *_):
+        raise ValueError("no rider")
+
+    setattr(Failing, hook, fail)
+    camera = Camera((1, 2, 3))
+    _, space, _, _ = ring(camera, (0, 0, 0))
+    carrier = space.attach(Failing())
+    with pytest.raises(ValueError, match="no rider"):
+        camera.ride(carrier)
+    assert camera.carrier is None
+    camera.update(0.1)
+    assert camera.pose.position == Vec3(1, 2, 3)

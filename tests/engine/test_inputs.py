@@ -3,6 +3,7 @@
 import pytest
 
 from osgode.engine.inputs import Focus, MouseMotion, Press, Quit, Release, Resize, ScriptedInput, Wheel, WindowInput
+from osgode.errors import FieldError
 
 pg = pytest.importorskip("pygame")
 
@@ -104,3 +105,17 @@ def test_other_events_come_along(typing):
     source = WindowInput(FakeWindow(happened(pg.QUIT)), script)
     script.send(Press("w"))
     assert source.poll() == [Focus(True), Quit(), Press("w")]
+
+
+@pytest.mark.parametrize("kind", [Press, Release])
+def test_there_is_no_event_of_a_key_that_there_is_not(kind):
+    """A script with a slip in it would else play on, and nothing would happen."""
+    with pytest.raises(FieldError, match=f"{kind.__name__}: 'spce' is no key or mouse button; did you mean 'space'"):
+        kind("spce")
+
+
+def test_only_events_can_be_sent():
+    source = ScriptedInput()
+    with pytest.raises(FieldError, match="'w' is no event such as"):
+        source.send(Press("a"), "w")
+    assert source.poll() == []

@@ -135,7 +135,7 @@ def test_it_draws_a_picture(module, tmp_path, screen, capsys, monkeypatch):
     """Two frames into a PNG file of the right size that shows something."""
     monkeypatch.setattr(runner, "SIZE", (160, 90))
     path = tmp_path / "deep" / "picture.png"
-    module.main(["--picture", str(path), "--frames", "2"])
+    module.main(["--headless", "--picture", str(path), "--frames", "2"])
     from PIL import Image
 
     pixels = np.asarray(Image.open(path))

@@ -88,7 +88,18 @@ def test_lines_of_text(drawer):
     assert not image[10 + step : 10 + both, 10 + one // 2 + 1 :].any()
 
 
-@pytest.mark.parametrize("text", ["", "  ", "\n"])
+def test_text_that_is_longer_than_any_picture_is_cut(drawer):
+    """A graphics card refuses pictures of more than some thousand pixels."""
+    assert np.array_equal(shot(drawer, Text(0, 0, 20_000 * "m")), shot(drawer, Text(0, 0, 100 * "m")))
+    assert np.array_equal(shot(drawer, Text(0, 0, 2000 * "m\n")), shot(drawer, Text(0, 0, 100 * "m\n")))
+
+
+def test_a_null_character_in_a_text_is_left_out(drawer):
+    """Names that come from files or a network may have one, and pygame refuses it."""
+    assert np.array_equal(shot(drawer, Text(0, 0, "a\0b")), shot(drawer, Text(0, 0, "ab")))
+
+
+@pytest.mark.parametrize("text", ["", "  ", "\n", "\0"])
 def test_empty_text_draws_nothing(drawer, text):
     """Nothing to say is nothing to draw."""
     assert not shot(drawer, Text(0, 0, text)).any()
