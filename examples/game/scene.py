@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 import osgode as oo
-from osgode.engine import AppConfig, ControllableObject, EventsConfig, Scene, VideoConfig
+from osgode.engine import AppConfig, CompositeObject, ControllableObject, EventsConfig, Scene, VideoConfig
 from osgode.examples.game.car import Car
 from osgode.examples.game.driver import Driver, Patrol
 from osgode.examples.game.flail import Flail
@@ -19,6 +19,7 @@ from osgode.examples.game.level import furnish
 from osgode.examples.game.player import Player
 from osgode.examples.game.rocket import RocketLauncher
 from osgode.examples.game.track import Track
+from osgode.examples.game.weapon import Weapon
 from osgode.examples.runner import look
 
 log = logging.getLogger("osgode.game")
@@ -92,6 +93,9 @@ class Game(Scene):
         self.player = self.dynamic.attach(Player(START))
         self.camera.aside = ASIDE
         self.camera.ride(self.player)
+        cast = (self.player, self.walker, self.car, self.rival, *self.weapons)
+        self.homes: dict[oo.PhysicsNode, oo.Pose] = {thing: thing.pose for thing in cast}
+        """Where what can't be done without began."""
         self.world.schedule(lambda _: self.catch_the_lost(), seconds=1.0)
 
     def _let_rest(self) -> None:
@@ -143,11 +147,11 @@ class Game(Scene):
 
         @events.on_press("controls_window")
         def controls_window() -> None:
-            self.board.controls.visible = not self.board.controls.visible
+            self.board.toggle(self.board.controls)
 
         @events.on_press("hints_window")
         def hints_window() -> None:
-            self.board.hints.visible = not self.board.hints.visible
+            self.board.toggle(self.board.hints)
 
     def _press(self, button: str) -> None:
         if self.camera.carrier is self.player:
@@ -221,19 +225,31 @@ class Game(Scene):
         )
 
     def catch_the_lost(self) -> bool:
-        """The floor of the world: what has fallen out of it is reported and taken away; the player begins anew."""
+        """The floor of the world: what has fallen out of it is reported.
+
+        The player, the walker, cars and weapons begin anew where they were; anything else is taken away.
+        """
         poses = self.world.poses
         lost = (poses[:, 1] < DEEPEST) | (np.abs(poses[:, :3]).max(axis=1) > FARTHEST)
         bodies = self.world.bodies
-        for row in np.flatnonzero(lost).tolist():
-            self._catch(bodies[row])
+        for thing in dict.fromkeys(_whole(bodies[row]) for row in np.flatnonzero(lost).tolist()):
+            self._catch(thing)
         return True
 
-    def _catch(self, body: oo.Body) -> None:
-        if not body.is_live:
-            return
-        log.warning("%s has fallen out of the world, at %s", body.path, body.position)
-        if body in self.player.bodies:
-            self.player.place(oo.Pose(START + oo.Vec3(0.0, self.player.reach, 0.0)), at_rest=True)
-        elif body.parent is not None:
-            body.parent.detach(body)
+    def _catch(self, thing: oo.Body | CompositeObject) -> None:
+        if isinstance(thing, Weapon) and thing.held:
+            return  # it comes along with whoever holds it
+        body = thing if isinstance(thing, oo.Body) else thing.main_body
+        log.warning("%s has fallen out of the world, at %s", thing.path, body.position)
+        if isinstance(thing, CompositeObject):
+            if thing in self.homes:
+                thing.place(self.homes[thing], at_rest=True)
+            else:
+                thing.leave()
+        elif thing.parent is not None:
+            thing.parent.detach(thing)
+
+
+def _whole(body: oo.Body) -> oo.Body | CompositeObject:
+    """What a body is a part of; never only a wheel, or an arm."""
+    return next((each for each in body.ancestors if isinstance(each, CompositeObject)), body)

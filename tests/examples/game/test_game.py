@@ -9,6 +9,7 @@ import pytest
 import osgode as oo
 from osgode.engine import INPUTS, MouseMotion, Press, Release
 from osgode.examples.game import play as game
+from osgode.examples.game.rocket import Rocket
 from osgode.examples.game.scene import BINDINGS, DEEPEST, FARTHEST, START, Game, config
 from osgode.examples.game.tour import SECONDS, Tour
 from osgode.testing import Play
@@ -53,9 +54,11 @@ def test_somebody_plays_it_by_keys_and_mouse():
         assert scene.camera.carrier is scene.player
         play.tap("controls_window")
         assert scene.board.controls.visible
-        play.tap("controls_window")
         play.tap("hints_window")
         assert scene.board.hints.visible
+        assert not scene.board.controls.visible  # one lies over the other
+        play.tap("hints_window")
+        assert not scene.board.hints.visible
         play.tap("weapon_2")
         assert scene.player.arsenal.in_hand is None  # it has none
         for weapon in scene.weapons:
@@ -107,6 +110,34 @@ def test_what_falls_out_of_the_world_is_caught_and_reported(caplog):
         assert "crate 0 has fallen out of the world" in caplog.text
         assert player.feet.distance(START) < 3
         assert player.in_simulation
+
+
+def test_cars_weapons_and_the_walker_that_are_lost_begin_anew_as_a_whole(caplog):
+    """Even while somebody drives the car, and holds a weapon; a rocket is taken away."""
+    with Play(Game, config()) as play, caplog.at_level(logging.WARNING, "osgode.game"):
+        scene = play.scene
+        gun, launcher, flail = scene.weapons
+        lost = (scene.car, scene.rival, scene.walker, gun, launcher)
+        homes = [thing.pose.position for thing in lost]
+        scene.player.pick_up(flail)
+        rocket = scene.dynamic.attach(Rocket((0, 40, 0)))
+        scene.get_in(scene.car)
+        for k, thing in enumerate((*lost, rocket)):
+            thing.place(oo.Pose(oo.Vec3(FARTHEST + 20 + 10 * k, 5, 0)), at_rest=True)
+        play.seconds(1.1)
+        for thing, home in zip(lost, homes, strict=True):
+            assert thing.main_body.position.distance(home) < 1.0
+            assert f"{thing.path} has fallen out of the world" in caplog.text
+        assert all(scene.car.on)
+        assert not rocket.in_simulation
+        assert scene.camera.carrier is scene.car
+        scene.get_out(scene.car)
+        assert scene.player.arsenal.in_hand is flail
+        scene.player.place(oo.Pose(oo.Vec3(-FARTHEST - 20, 5, 0)), at_rest=True)
+        play.seconds(1.1)
+        assert scene.player.feet.distance(START) < 1.0
+        assert scene.player.arsenal.in_hand is flail
+        assert flail.main_body.position.distance(START) < 3.0
 
 
 @pytest.mark.parametrize("seed", [1, 2])
