@@ -25,8 +25,8 @@ CONTROLS = (
 """Keys, and what they do."""
 HINTS = """\
 The constructor gun lies on the table in the house: go through the door.
-The rocket launcher waits behind the platform: up the stairs, over the beam
-between the pendulums, and press the red button.
+The rocket launcher waits behind the platform: up the stairs, over the
+beam between the pendulums, and press the red button.
 The flail lies at the far end of the hanging bridge.
 The red car beside the track is yours. The blue one knows its way."""
 GOOD, BAD = (0.35, 0.85, 0.4), (0.95, 0.2, 0.12)
@@ -68,6 +68,12 @@ class GameHud:
             words = "\n".join(line[column] for line in CONTROLS)
             self.controls.attach(HudText(words, x=x, size=16, shadow=False))
         self.hints = parent.attach(HudWindow("Hints", HINTS, width=640.0, height=170.0, visible=False, name="hints"))
+
+    def toggle(self, window: HudWindow) -> None:
+        """Open or close one of the windows; there is room for one."""
+        window.visible = not window.visible
+        for other in (self.controls, self.hints):
+            other.visible = other.visible and other is window
 
     def show(
         self,

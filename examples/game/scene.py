@@ -51,8 +51,6 @@ REACH = 4.0
 """How near a car must be to get into, metres."""
 DEEPEST, FARTHEST = -20.0, 1500.0
 """What is lower, or farther from the middle, has fallen out of the world, metres."""
-LIFTED = 0.6
-"""How high what is put back is dropped from, metres."""
 ITERATIONS = 30
 """Of the quick solver: the hanging bridge and the flail want more than the 20 of a heap."""
 RESTING = (0.1, 0.2)
@@ -95,6 +93,9 @@ class Game(Scene):
         self.player = self.dynamic.attach(Player(START))
         self.camera.aside = ASIDE
         self.camera.ride(self.player)
+        cast = (self.player, self.walker, self.car, self.rival, *self.weapons)
+        self.homes: dict[oo.PhysicsNode, oo.Pose] = {thing: thing.pose for thing in cast}
+        """Where what can't be done without began."""
         self.world.schedule(lambda _: self.catch_the_lost(), seconds=1.0)
 
     def _let_rest(self) -> None:
@@ -146,11 +147,11 @@ class Game(Scene):
 
         @events.on_press("controls_window")
         def controls_window() -> None:
-            self.board.controls.visible = not self.board.controls.visible
+            self.board.toggle(self.board.controls)
 
         @events.on_press("hints_window")
         def hints_window() -> None:
-            self.board.hints.visible = not self.board.hints.visible
+            self.board.toggle(self.board.hints)
 
     def _press(self, button: str) -> None:
         if self.camera.carrier is self.player:
@@ -224,29 +225,31 @@ class Game(Scene):
         )
 
     def catch_the_lost(self) -> bool:
-        """The floor of the world: what has fallen out of it is reported, and put back or taken away as a whole."""
+        """The floor of the world: what has fallen out of it is reported.
+
+        The player, the walker, cars and weapons begin anew where they were; anything else is taken away.
+        """
         poses = self.world.poses
         lost = (poses[:, 1] < DEEPEST) | (np.abs(poses[:, :3]).max(axis=1) > FARTHEST)
         bodies = self.world.bodies
-        things: dict[oo.PhysicsNode, oo.Body] = {}
-        for row in np.flatnonzero(lost).tolist():
-            whole = [node for node in bodies[row].ancestors if isinstance(node, CompositeObject)]
-            things.setdefault(whole[-1] if whole else bodies[row], bodies[row])
-        for thing, body in things.items():
-            log.warning("%s has fallen out of the world, at %s", body.path, body.position)
-            self._put_back(thing)
+        for thing in dict.fromkeys(_whole(bodies[row]) for row in np.flatnonzero(lost).tolist()):
+            self._catch(thing)
         return True
 
-    def _put_back(self, thing: oo.PhysicsNode) -> None:
-        """Players begin anew, cars at the start line, weapons where the player begins; all else is gone."""
-        if isinstance(thing, Player):
-            thing.place(oo.Pose(START + oo.Vec3(0.0, thing.reach, 0.0)), at_rest=True)
-        elif isinstance(thing, Car):
-            place, yaw = self.track.spot(4.0)
-            lifted = place + oo.Vec3(0.0, LIFTED, 0.0)
-            thing.place(oo.Pose(lifted, oo.Quat.from_yaw_pitch_roll(yaw)), at_rest=True)
-        elif isinstance(thing, Weapon):
-            if not thing.held:  # else it comes along with the hand
-                thing.place(oo.Pose(START + oo.Vec3(1.0, LIFTED, 0.0)), at_rest=True)
+    def _catch(self, thing: oo.Body | CompositeObject) -> None:
+        if isinstance(thing, Weapon) and thing.held:
+            return  # it comes along with whoever holds it
+        body = thing if isinstance(thing, oo.Body) else thing.main_body
+        log.warning("%s has fallen out of the world, at %s", thing.path, body.position)
+        if isinstance(thing, CompositeObject):
+            if thing in self.homes:
+                thing.place(self.homes[thing], at_rest=True)
+            else:
+                thing.leave()
         elif thing.parent is not None:
             thing.parent.detach(thing)
+
+
+def _whole(body: oo.Body) -> oo.Body | CompositeObject:
+    """What a body is a part of; never only a wheel, or an arm."""
+    return next((each for each in body.ancestors if isinstance(each, CompositeObject)), body)

@@ -55,7 +55,7 @@ def beside(body: oo.Body, arm: oo.Vec3Like, up: float = 0.4) -> Shot:
 
 
 class Tour(Game):
-    """Everything once, in about a minute and a half."""
+    """Everything once, in little more than a minute."""
 
     def start(self) -> None:
         """Take the first shot."""
