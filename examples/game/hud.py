@@ -67,7 +67,7 @@ class GameHud:
         for column, x in enumerate((0.0, 190.0)):
             words = "\n".join(line[column] for line in CONTROLS)
             self.controls.attach(HudText(words, x=x, size=16, shadow=False))
-        self.hints = parent.attach(HudWindow("Hints", HINTS, width=640.0, height=170.0, visible=False, name="hints"))
+        self.hints = parent.attach(HudWindow("Hints", HINTS, width=660.0, height=170.0, visible=False, name="hints"))
 
     def toggle(self, window: HudWindow) -> None:
         """Open or close one of the windows; there is room for one."""

@@ -221,6 +221,26 @@ def test_it_never_falls_through_a_terrain_mesh():
             assert lean(player) < math.radians(1)
 
 
+def test_it_is_upright_whatever_hits_it():
+    """To within a degree: a car at full speed, a blow at the head, and a shot at the feet."""
+    scene = Place()
+    with Play(scene) as play:
+        player = scene.player()
+        car = scene.dynamic.attach(Car((0, 0, 30)))
+        play.seconds(1)
+        worst, fastest = 0.0, 0.0
+        car.controls.move(forward=True)
+        for step in range(480):
+            if step == 30:
+                player.torso.apply_impulse((400, 0, 0), at=player.torso.position + (0, 0.7, 0))
+            if step == 90:
+                player.torso.apply_impulse((-400, 0, 0), at=player.torso.position - (0, 0.7, 0))
+            play.steps(1)
+            worst, fastest = max(worst, lean(player)), max(fastest, -player.velocity.z)
+        assert fastest > 10  # the car met it
+        assert worst < math.radians(1)
+
+
 def test_the_arms_follow_the_eyes():
     scene = Place()
     with Play(scene) as play:
