@@ -328,10 +328,10 @@ def run(kind: type[Example], arguments: Sequence[str] | None = None) -> None:
     """
     name = Path(inspect.getfile(kind)).stem
     options = parse(kind, name, arguments)
-    example = kind()
+    example = kind()  # not for `play`: that may fill one, and then get no window
     drawn = options.picture or options.video
     try:
-        told = None if options.headless or drawn else play(example, options.frames)
+        told = None if options.headless or drawn else play(kind(), options.frames)
         if told is not None:
             options.seconds = 0.0  # whoever watches may stop whenever they like, so nothing is promised
         elif not drawn and (options.headless or not is_installed("moderngl", "PIL")):

@@ -298,8 +298,8 @@ class ControllableObject(CompositeObject):
         self.controls.stop()
 
     def _entered(self) -> None:
+        self.schedule(_control, priority=self.CONTROL_PRIORITY)  # first: `entered` may take it out again
         super()._entered()
-        self.schedule(_control, priority=self.CONTROL_PRIORITY)
 
 
 def _translated(value: Any, parts: dict[int, Any]) -> Any:

@@ -74,7 +74,10 @@ class Appearance:
     in_front: bool = field(default=False)
 
     def __post_init__(self) -> None:
-        colour = tuple(float(c) for c in self.colour)
+        try:
+            colour = tuple(float(c) for c in self.colour)
+        except (TypeError, ValueError):
+            colour = ()
         if len(colour) == 3:
             colour = (*colour, 1.0)
         if len(colour) != 4 or not all(0.0 <= c <= 1.0 for c in colour):

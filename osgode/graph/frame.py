@@ -8,15 +8,32 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from osgode.errors import FieldError
+from osgode.fields import DIRECTION, FLAG, Check, number, optional, three
 from osgode.graph.appearance import Appearance, Texture
 from osgode.graph.mesh import Mesh
 from osgode.maths import Float32Array, FloatArray, Pose, Vec3, finite
+
+
+def _light(value: Any) -> tuple[float, float, float]:
+    parts = three(value)
+    if not (finite(parts) and min(parts) >= 0.0):
+        raise ValueError
+    return (parts.x, parts.y, parts.z)
+
+
+LIGHT: Check[tuple[float, float, float]] = Check("three finite numbers, 0 or more", _light)
+HAZE = optional(number(1e-6, 1e9))
+
+
+def _check(owner: Sun | Sky, **checks: Check[Any]) -> None:
+    for name, check in checks.items():
+        object.__setattr__(owner, name, check(type(owner).__name__, name, getattr(owner, name)))
 
 
 @dataclass(frozen=True)
@@ -76,9 +93,13 @@ class Sun:
     """Light from far away, which casts shadows.
 
     Args:
-        direction: in which the light travels.
+        direction: in which the light travels, of any length.
         colour: red, green, blue; may be above 1.
         ambient: the light that comes from everywhere, red, green, blue.
+        shadows: whether it casts them.
+
+    Raises:
+        FieldError: for what is no direction, or no colour.
     """
 
     direction: Vec3 = Vec3(-0.45, -0.8, -0.4)
@@ -86,18 +107,28 @@ class Sun:
     ambient: tuple[float, float, float] = (0.38, 0.42, 0.5)
     shadows: bool = True
 
+    def __post_init__(self) -> None:
+        _check(self, direction=DIRECTION, colour=LIGHT, ambient=LIGHT, shadows=FLAG)
+
 
 @dataclass(frozen=True)
 class Sky:
     """What is seen where nothing is: a gradient from the horizon to the zenith, and the haze before it.
 
     Args:
+        zenith, horizon: red, green, blue.
         haze: distance in metres at which things have almost taken the horizon's colour; None for clear air.
+
+    Raises:
+        FieldError: for what is no colour, or a distance that isn't above 0.
     """
 
     zenith: tuple[float, float, float] = (0.30, 0.52, 0.82)
     horizon: tuple[float, float, float] = (0.78, 0.86, 0.93)
     haze: float | None = 400.0
+
+    def __post_init__(self) -> None:
+        _check(self, zenith=LIGHT, horizon=LIGHT, haze=HAZE)
 
 
 MAX_LIGHTS = 8

@@ -10,7 +10,7 @@ from weakref import ReferenceType
 
 import numpy as np
 
-from osgode.errors import FieldError
+from osgode.errors import FieldError, shown
 from osgode.graph.frame import Sprites
 from osgode.graph.lod import Gated
 from osgode.graph.movers import Marks
@@ -66,6 +66,8 @@ class Particles(Node):
         super().__init__(name=name, visible=visible)
         if capacity < 1:
             raise FieldError(f"{self.describe()}.capacity is {capacity!r}; it must be 1 or more")
+        if not isinstance(spray, Spray):
+            raise FieldError(f"{self.describe()}.spray is {shown(spray)}; it must be a Spray")
         self.spray = replace(spray, **changes)
         self.rate = rate
         self.capacity = int(capacity)

@@ -544,3 +544,34 @@ def test_parts_that_have_gone_are_not_kept_by_what_they_were_of():
     del body
     gc.collect()
     assert gone() is None
+
+
+def test_a_controllable_object_may_leave_in_entered():
+    """What it was to do is dropped with it, and taken up again when it stays."""
+
+    class Shy(ControllableObject):
+        shy = True
+        count = 0
+
+        def entered(self):
+            if self.shy:
+                self.leave()
+
+        def control(self):
+            self.count += 1
+
+    world = oo.World(gravity=(0, 0, 0))
+    space = world.attach(oo.HashSpace())
+    world.collide(space)
+    thing = Shy()
+    thing.attach(oo.Body())
+    space.attach(thing)
+    assert not thing.in_simulation
+    assert thing.parent is None
+    assert world.bodies == ()
+    world.step(2)
+    assert thing.count == 0
+    thing.shy = False
+    space.attach(thing)
+    world.step(2)
+    assert thing.count == 2

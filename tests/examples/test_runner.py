@@ -117,3 +117,18 @@ def test_an_unknown_example_is_refused_with_a_list(capsys):
     told = capsys.readouterr()
     assert "'moonshot'" in told.err
     assert "crates" in told.out
+
+
+def test_where_no_window_can_be_opened_the_scene_is_filled_once(monkeypatch, capsys):
+    """There may be a DISPLAY that nobody serves; the try to open it has filled a scene."""
+
+    def refuse(*_):
+        raise oo.OsgodeError("no window")
+
+    monkeypatch.setattr(runner, "has_screen", lambda: True)
+    monkeypatch.setattr(video, "Window", refuse)
+    monkeypatch.setattr(runner, "is_installed", lambda *_: False)
+    runner.run(Crates, ["--frames", "2"])
+    told = capsys.readouterr().out
+    with runner.without_window(Crates(), 60.0) as app:
+        assert f"of {len(app.scene.world.bodies)} bodies" in told
