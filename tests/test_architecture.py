@@ -36,7 +36,7 @@ ORDER = [
 
 ONLY = {
     "render": {"errors", "maths", "graph"},
-    "graph": {"errors", "maths"},
+    "graph": {"errors", "fields", "maths"},
     "native": {"errors"},
 }
 """Parts that know less than the order allows."""

@@ -240,7 +240,9 @@ class Game(Scene):
         if isinstance(thing, Weapon) and thing.held:
             return  # it comes along with whoever holds it
         body = thing if isinstance(thing, oo.Body) else thing.main_body
-        log.warning("%s has fallen out of the world, at %s", thing.path, body.position)
+        kept = isinstance(thing, oo.Body) or thing in self.homes
+        level = logging.WARNING if kept else logging.INFO  # a rocket shot into the sky is no fault
+        log.log(level, "%s has fallen out of the world, at %s", thing.path, body.position)
         if isinstance(thing, CompositeObject):
             if thing in self.homes:
                 thing.place(self.homes[thing], at_rest=True)

@@ -232,9 +232,9 @@ def test_it_is_upright_whatever_hits_it():
         car.controls.move(forward=True)
         for step in range(480):
             if step == 30:
-                player.torso.apply_impulse((400, 0, 0), at=player.torso.position + (0, 0.7, 0))
+                player.torso.apply_impulse((400, 0, 0), at=player.torso.position + oo.Vec3(0, 0.7, 0))
             if step == 90:
-                player.torso.apply_impulse((-400, 0, 0), at=player.torso.position - (0, 0.7, 0))
+                player.torso.apply_impulse((-400, 0, 0), at=player.torso.position - oo.Vec3(0, 0.7, 0))
             play.steps(1)
             worst, fastest = max(worst, lean(player)), max(fastest, -player.velocity.z)
         assert fastest > 10  # the car met it
